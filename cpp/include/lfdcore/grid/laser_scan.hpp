@@ -1,0 +1,25 @@
+// One sweep of a planar LIDAR, as sensor_msgs/LaserScan.
+#pragma once
+
+#include <vector>
+
+#include "lfdcore/geometry.hpp"
+
+namespace lfdcore {
+
+/// Ranges as REP-117 has them: +inf = nothing within range_max, -inf = closer than range_min, NaN = no measurement.
+struct LaserScan {
+  std::vector<float> ranges;          ///< [m]
+  double angle_min = -pi / 2;         ///< of beam 0, in the laser's frame [rad]
+  double angle_increment = pi / 180;  ///< [rad]
+  double range_min = 0.0;             ///< [m]
+  double range_max = 30.0;            ///< [m]
+
+  double angle(std::size_t beam) const { return angle_min + static_cast<double>(beam) * angle_increment; }
+};
+
+/// Throws std::invalid_argument for a scan without beams, with a zero or non-finite increment, or range_max <=
+/// range_min.
+void validate(const LaserScan& scan);
+
+}  // namespace lfdcore

@@ -1,0 +1,137 @@
+#include <sstream>
+
+#include "common.hpp"
+#include "lfdcore/geometry.hpp"
+#include "lfdcore/motion.hpp"
+#include "lfdcore/path.hpp"
+
+namespace lfdcore {
+namespace {
+
+template <class... Values>
+std::string describe(const char* name, Values... values) {
+  std::ostringstream text;
+  text << name << '(';
+  const char* comma = "";
+  ((text << comma << values, comma = ", "), ...);
+  text << ')';
+  return text.str();
+}
+
+void bind_pose(py::module_& m) {
+  py::class_<Pose2>(m, "Pose2",
+                    "Position x, y [m] and heading yaw [rad]; T_a_b maps coordinates of frame b into frame a.")
+      .def(py::init([](double x, double y, double yaw) { return Pose2{x, y, yaw}; }), py::arg("x") = 0.0,
+           py::arg("y") = 0.0, py::arg("yaw") = 0.0)
+      .def_readwrite("x", &Pose2::x, "[m]")
+      .def_readwrite("y", &Pose2::y, "[m]")
+      .def_readwrite("yaw", &Pose2::yaw, "[rad]")
+      .def(
+          "__mul__", [](const Pose2& a, const Pose2& b) { return a * b; }, py::is_operator(), "T_a_c = T_a_b * T_b_c")
+      .def("inverse", &Pose2::inverse, "T_b_a")
+      .def(
+          "transform", [](const Pose2& T, const Path& points) { return transform(T, points); }, py::arg("points"),
+          "Points (N, 2) [m] of frame b in frame a.")
+      .def("__eq__", [](const Pose2& a, const Pose2& b) { return a.x == b.x && a.y == b.y && a.yaw == b.yaw; })
+      .def(
+          "__iter__", [](const Pose2& p) { return py::iter(py::make_tuple(p.x, p.y, p.yaw)); },
+          "x, y, yaw in turn, so that tuple(pose) and numpy.array([*pose]) work.")
+      .def("__repr__", [](const Pose2& p) { return describe("Pose2", p.x, p.y, p.yaw); })
+      .def(py::pickle(
+          [](const Pose2& p) { return py::make_tuple(p.x, p.y, p.yaw); },
+          [](const py::tuple& t) { return Pose2{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>()}; }));
+}
+
+void bind_twist(py::module_& m) {
+  py::class_<Twist2>(m, "Twist2",
+                     "Velocity of a differential drive: linear [m/s] ahead, angular [rad/s] anticlockwise.")
+      .def(py::init([](double linear, double angular) { return Twist2{linear, angular}; }), py::arg("linear") = 0.0,
+           py::arg("angular") = 0.0)
+      .def_readwrite("linear", &Twist2::linear, "[m/s]")
+      .def_readwrite("angular", &Twist2::angular, "[rad/s]")
+      .def("__eq__", [](const Twist2& a, const Twist2& b) { return a.linear == b.linear && a.angular == b.angular; })
+      .def("__iter__", [](const Twist2& t) { return py::iter(py::make_tuple(t.linear, t.angular)); })
+      .def("__repr__", [](const Twist2& t) { return describe("Twist2", t.linear, t.angular); })
+      .def(py::pickle([](const Twist2& t) { return py::make_tuple(t.linear, t.angular); },
+                      [](const py::tuple& t) { return Twist2{t[0].cast<double>(), t[1].cast<double>()}; }));
+}
+
+void bind_footprint(py::module_& m) {
+  py::class_<Footprint>(m, "Footprint",
+                        "A rectangle around the axle's centre: front, rear and half_width [m]. Default: the CAS chair "
+                        "(Sec. 3.2), 0.8 m from axle to front edge, 0.7 m wide.")
+      .def(py::init([](double front, double rear, double half_width) { return Footprint{front, rear, half_width}; }),
+           py::arg("front") = Footprint{}.front, py::arg("rear") = Footprint{}.rear,
+           py::arg("half_width") = Footprint{}.half_width)
+      .def_readwrite("front", &Footprint::front, "[m]")
+      .def_readwrite("rear", &Footprint::rear, "[m]")
+      .def_readwrite("half_width", &Footprint::half_width, "[m]")
+      .def("grown", &Footprint::grown, py::arg("margin"), "The rectangle grown by a margin [m] on every side.")
+      .def("outer_radius", &Footprint::outer_radius, "Radius [m] of the circle around the axle that holds it.")
+      .def(
+          "corners",
+          [](const Footprint& f) {
+            Path points(4, 2);
+            const auto corners = f.corners();
+            for (int i = 0; i < 4; ++i) points.row(i) = corners[i].transpose();
+            return points;
+          },
+          "(4, 2) [m] in base_link, anticlockwise from the front left.")
+      .def("__repr__", [](const Footprint& f) { return describe("Footprint", f.front, f.rear, f.half_width); })
+      .def(py::pickle(
+          [](const Footprint& f) { return py::make_tuple(f.front, f.rear, f.half_width); },
+          [](const py::tuple& t) { return Footprint{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>()}; }));
+}
+
+void bind_motion(py::module_& m) {
+  const MotionLimits limits;
+  py::class_<MotionLimits>(m, "MotionLimits",
+                           "Speeds [m/s, rad/s] and accelerations [m/s^2, rad/s^2] of the chair, all positive.")
+      .def(py::init([](double max_linear, double max_reverse, double max_angular, double linear_acceleration,
+                       double linear_braking, double angular_acceleration) {
+             const MotionLimits made{max_linear,          max_reverse,    max_angular,
+                                     linear_acceleration, linear_braking, angular_acceleration};
+             validate(made);
+             return made;
+           }),
+           py::kw_only(), py::arg("max_linear") = limits.max_linear, py::arg("max_reverse") = limits.max_reverse,
+           py::arg("max_angular") = limits.max_angular, py::arg("linear_acceleration") = limits.linear_acceleration,
+           py::arg("linear_braking") = limits.linear_braking,
+           py::arg("angular_acceleration") = limits.angular_acceleration)
+      .def_readonly("max_linear", &MotionLimits::max_linear, "ahead [m/s]")
+      .def_readonly("max_reverse", &MotionLimits::max_reverse, "backwards [m/s], positive")
+      .def_readonly("max_angular", &MotionLimits::max_angular, "[rad/s]")
+      .def_readonly("linear_acceleration", &MotionLimits::linear_acceleration, "speeding up [m/s^2]")
+      .def_readonly("linear_braking", &MotionLimits::linear_braking, "slowing down [m/s^2]")
+      .def_readonly("angular_acceleration", &MotionLimits::angular_acceleration, "either way [rad/s^2]")
+      .def(py::pickle(
+          [](const MotionLimits& l) {
+            return py::make_tuple(l.max_linear, l.max_reverse, l.max_angular, l.linear_acceleration, l.linear_braking,
+                                  l.angular_acceleration);
+          },
+          [](const py::tuple& t) {
+            return MotionLimits{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
+                                t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>()};
+          }));
+  m.def("approach", &approach, py::arg("current"), py::arg("wanted"), py::arg("limits"), py::arg("duration"),
+        "The twist after `duration` [s] of changing `current` towards `wanted` as fast as the limits allow; `wanted` "
+        "beyond the speed limits is cut to them.");
+}
+
+}  // namespace
+
+void bind_geometry(py::module_& m) {
+  bind_pose(m);
+  bind_twist(m);
+  bind_footprint(m);
+  bind_motion(m);
+  m.def("wrap_angle", py::vectorize(&wrap_angle), py::arg("angle"), "The same angle(s) [rad] in (-pi, pi].");
+  m.def("integrate", &integrate, py::arg("pose"), py::arg("twist"), py::arg("duration"),
+        "The pose after following a constant twist for a duration [s], exactly (a circular arc).");
+  m.def("arc_length", &arc_length, py::arg("path"),
+        "Distance [m] travelled up to each point of a path (N, 2) -> (N,).");
+  m.def("resample", &resample, py::arg("path"), py::arg("count"),
+        "The path (N, 2) [m] at `count` points equally spaced by arc length -> (count, 2).");
+}
+
+}  // namespace lfdcore

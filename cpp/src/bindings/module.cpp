@@ -1,0 +1,25 @@
+#include "common.hpp"
+#include "lfdcore/error.hpp"
+
+PYBIND11_MODULE(_core, m) {
+  using namespace lfdcore;
+  m.doc() = "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation and .simulation.";
+  py::register_exception<DataError>(m, "DataError", PyExc_RuntimeError);
+  py::register_exception<ModelError>(m, "ModelError", PyExc_RuntimeError);
+  auto geometry = m.def_submodule("geometry", "Planar poses, twists, paths and the chair's outline.");
+  auto grid = m.def_submodule("grid", "Occupancy grids, scans, distance fields and ray casting.");
+  auto simulation = m.def_submodule("simulation", "The simulated chair in its world.");
+  auto planning = m.def_submodule("planning", "Grid MDPs, dynamic policy programming, hybrid A*.");
+  auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
+  auto estimation = m.def_submodule("estimation", "One-class radial basis function networks.");
+  bind_geometry(geometry);
+  bind_grid(grid);
+  bind_simulation(simulation);
+  bind_dpp(planning);
+  bind_hybrid_astar(planning);
+  bind_pure_pursuit(control);
+  bind_dynamic_window(control);
+  bind_footprint_rollout(control);
+  bind_supervisor(control);
+  bind_rbf_network(estimation);
+}

@@ -1,0 +1,3 @@
+"""Re-exports lfdcore._core.estimation."""
+
+from lfdcore._core.estimation import *  # noqa: F403

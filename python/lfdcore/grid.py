@@ -1,0 +1,3 @@
+"""Re-exports lfdcore._core.grid."""
+
+from lfdcore._core.grid import *  # noqa: F403

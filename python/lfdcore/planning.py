@@ -1,0 +1,3 @@
+"""Re-exports lfdcore._core.planning."""
+
+from lfdcore._core.planning import *  # noqa: F403

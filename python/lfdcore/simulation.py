@@ -1,0 +1,3 @@
+"""Re-exports lfdcore._core.simulation."""
+
+from lfdcore._core.simulation import *  # noqa: F403
