@@ -132,7 +132,10 @@ def run_drive(
             stamp = tick * config.period
             scan = world.scan()
             given = driver.act(stamp, world.pose, world.twist, world.in_contact)
-            joystick = (float(np.float32(given.joystick[0])), float(np.float32(given.joystick[1])))  # as sensor_msgs/Joy
+            joystick = (
+                float(np.float32(given.joystick[0])),
+                float(np.float32(given.joystick[1])),
+            )  # as sensor_msgs/Joy
             observation = Observation(stamp, scan, stamp, world.odometry, world.odometry_twist, joystick)
             assistance = assistant.update(observation)
             if log is not None:
