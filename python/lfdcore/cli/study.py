@@ -38,7 +38,7 @@ def study_driving(
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
     from lfdcore.study.driving import DrivingStudy, run_driving_study
-    from lfdcore.study.report import write_driving_report
+    from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.tables import driving_tables
 
     output.mkdir(parents=True, exist_ok=True)
