@@ -62,7 +62,7 @@ struct Sections {
   double inside_until(int i) const {
     const double radius = std::min({f.half_width, (2 * i + 1) * half_length, (2 * (count - i) - 1) * half_length});
     const double cells = radius * cells_per_metre - 2.83;
-    return cells > 0 ? cells * cells : -1;
+    return cells > 0 ? std::min(cells * cells, gap_square - 1.0) : -1;
   }
 };
 
