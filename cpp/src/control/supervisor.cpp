@@ -190,14 +190,18 @@ bool Supervisor::largest_scale(const Twist2& wanted, Twist2& found) {
   return false;
 }
 
+// Twists that 0 is farther away than lie within `size` of the wanted one: the grid spans just that.
 void Supervisor::list_candidates(const Twist2& wanted) {
   candidates_.clear();
+  const double farthest = size(wanted);
   for (int i = 0; i < config_.linear_samples; ++i) {
     const double linear = wanted.linear * (1 - static_cast<double>(i) / (config_.linear_samples - 1));
     for (int j = 0; j < config_.angular_samples; ++j) {
-      const double angular = limits_.max_angular * (2.0 * j / (config_.angular_samples - 1) - 1);
-      const double distance = size({wanted.linear - linear, wanted.angular - angular});
-      if (distance < size(wanted)) candidates_.push_back({{linear, angular}, distance});
+      const double turn = limits_.max_angular * farthest * (2.0 * j / (config_.angular_samples - 1) - 1);
+      const Twist2 twist{linear, wanted.angular + turn};
+      const double distance = size({wanted.linear - linear, turn});
+      if (distance < farthest && std::abs(twist.angular) <= limits_.max_angular)
+        candidates_.push_back({twist, distance});
     }
     if (wanted.linear == 0) break;
   }

@@ -20,7 +20,7 @@ struct SupervisorConfig {
   double overlap = 0.02;      ///< points this deep inside the footprint are taken for noise of the scan [m]
   double least_scale = 0.25;  ///< a wanted twist is slowed down to this share before other directions are tried
   int linear_samples = 9;     ///< speeds tried, from the wanted one to 0
-  int angular_samples = 17;   ///< turning rates tried, from right to left
+  int angular_samples = 17;   ///< turning rates tried, around the wanted one
 };
 
 /// Throws std::invalid_argument, naming the field and its bound.
