@@ -1,0 +1,59 @@
+#include "goal_distance.hpp"
+
+namespace lfdcore {
+
+bool GoalDistance::build(const ClearanceMap& map, const Eigen::Vector2d& goal, double tolerance, double radius) {
+  block(map, radius);
+  if (!seed(goal, tolerance)) return false;
+  flood();
+  return true;
+}
+
+// The border stays blocked, so that neighbours need no bounds.
+void GoalDistance::block(const ClearanceMap& map, double radius) {
+  const double half_diagonal = cell * std::numbers::sqrt2 / 2;
+  std::fill(steps_.begin(), steps_.end(), blocked);
+  for (int iy = 1; iy + 1 < side_; ++iy)
+    for (int ix = 1; ix + 1 < side_; ++ix)
+      if (map.at_most(map.index(offset(ix)), map.index(offset(iy))) + half_diagonal >= radius)
+        steps_[iy * side_ + ix] = unreached;
+}
+
+bool GoalDistance::seed(const Eigen::Vector2d& goal, double tolerance) {
+  for (auto& bucket : buckets_) bucket.clear();
+  const double near = tolerance + cell * std::numbers::sqrt2 / 2;
+  for (int iy = std::max(index(goal.y() - near), 1); iy <= std::min(index(goal.y() + near), side_ - 2); ++iy)
+    for (int ix = std::max(index(goal.x() - near), 1); ix <= std::min(index(goal.x() + near), side_ - 2); ++ix)
+      if (std::hypot(offset(ix) - goal.x(), offset(iy) - goal.y()) <= near) relax(iy * side_ + ix, 0);
+  return !buckets_[0].empty();
+}
+
+void GoalDistance::relax(int at, int distance) {
+  if (steps_[at] <= distance) return;
+  steps_[at] = distance;
+  buckets_[distance % buckets_.size()].push_back(at);
+}
+
+void GoalDistance::flood() {
+  int idle = 0;
+  for (int distance = 0; idle < static_cast<int>(buckets_.size()); ++distance) {
+    auto& bucket = buckets_[distance % buckets_.size()];
+    idle = bucket.empty() ? idle + 1 : 0;
+    for (const int at : bucket) {
+      if (steps_[at] != distance) continue;
+      for (const int next : {at - 1, at + 1, at - side_, at + side_}) relax(next, distance + straight);
+      for (const int next : {at - side_ - 1, at - side_ + 1, at + side_ - 1, at + side_ + 1})
+        relax(next, distance + diagonal);
+    }
+    bucket.clear();
+  }
+}
+
+double GoalDistance::at(double x, double y) const {
+  const int steps = steps_[std::clamp(index(y), 0, side_ - 1) * side_ + std::clamp(index(x), 0, side_ - 1)];
+  if (steps == blocked || steps == unreached) return std::numeric_limits<double>::infinity();
+  // A way of 5s and 7s is at most hypot(1, 0.4) times as long as the straight one.
+  return std::max(0.0, steps * cell / straight / std::hypot(1.0, 0.4) - cell / 2);
+}
+
+}  // namespace lfdcore
