@@ -11,29 +11,32 @@ void bind_contact_config(py::module_& m) {
   py::class_<ContactConfig>(
       m, "ContactConfig",
       "How the body behaves where it touches: friction (Coulomb's coefficient), skid_resistance (how much harder than "
-      "rolling it is to push the wheels sideways, a ratio of masses), gyration_radius [m]; a contact lasts until the "
+      "rolling it is to push the wheels sideways, a ratio of masses), skid_time [s] in which they grip again, "
+      "gyration_radius [m]; a contact lasts until the "
       "body has been clear of everything by release_gap [m] for release_time [s], so that chattering counts once.")
-      .def(py::init([](double friction, double skid_resistance, double gyration_radius, double release_gap,
-                       double release_time) {
-             const ContactConfig made{friction, skid_resistance, gyration_radius, release_gap, release_time};
+      .def(py::init([](double friction, double skid_resistance, double skid_time, double gyration_radius,
+                       double release_gap, double release_time) {
+             const ContactConfig made{friction, skid_resistance, skid_time, gyration_radius, release_gap, release_time};
              validate(made);
              return made;
            }),
            py::kw_only(), py::arg("friction") = c.friction, py::arg("skid_resistance") = c.skid_resistance,
-           py::arg("gyration_radius") = c.gyration_radius, py::arg("release_gap") = c.release_gap,
-           py::arg("release_time") = c.release_time)
+           py::arg("skid_time") = c.skid_time, py::arg("gyration_radius") = c.gyration_radius,
+           py::arg("release_gap") = c.release_gap, py::arg("release_time") = c.release_time)
       .def_readonly("friction", &ContactConfig::friction, "Coulomb's coefficient")
       .def_readonly("skid_resistance", &ContactConfig::skid_resistance, "ratio of masses")
+      .def_readonly("skid_time", &ContactConfig::skid_time, "[s]")
       .def_readonly("gyration_radius", &ContactConfig::gyration_radius, "[m]")
       .def_readonly("release_gap", &ContactConfig::release_gap, "[m]")
       .def_readonly("release_time", &ContactConfig::release_time, "[s]")
       .def(py::pickle(
           [](const ContactConfig& k) {
-            return py::make_tuple(k.friction, k.skid_resistance, k.gyration_radius, k.release_gap, k.release_time);
+            return py::make_tuple(k.friction, k.skid_resistance, k.skid_time, k.gyration_radius, k.release_gap,
+                                  k.release_time);
           },
           [](const py::tuple& t) {
-            return ContactConfig{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>(),
-                                 t[4].cast<double>()};
+            return ContactConfig{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
+                                 t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>()};
           }));
 }
 

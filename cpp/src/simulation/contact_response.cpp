@@ -1,5 +1,7 @@
 #include "lfdcore/simulation/contact_response.hpp"
 
+#include <Eigen/Geometry>
+
 namespace lfdcore {
 namespace {
 
@@ -17,21 +19,35 @@ Pose2 shifted(const Pose2& pose, const Shift& shift) {
   return {end.x - shift.sideways * std::sin(middle), end.y + shift.sideways * std::cos(middle), end.yaw};
 }
 
+/// The directions at right angles to a displacement, in coordinates where length is the root of kinetic energy.
+struct Cone {
+  Eigen::Vector3d axis, without_skid, with_skid;
+
+  explicit Cone(const Eigen::Vector3d& driven) : axis(driven) {
+    const Eigen::Vector3d level(-driven.z(), 0, driven.x());  // ahead and turn
+    without_skid =
+        level.norm() > 0 ? Eigen::Vector3d(level.normalized() * driven.norm()) : Eigen::Vector3d(driven.norm(), 0, 0);
+    with_skid = driven.normalized().cross(without_skid);
+  }
+};
+
 class Body {
  public:
-  Body(const SolidMap& map, const ChairConfig& chair) : map_(map), chair_(chair) {}
+  Body(const SolidMap& map, const ChairConfig& chair)
+      : map_(map), chair_(chair), scale_(1, std::sqrt(chair.contact.skid_resistance), chair.contact.gyration_radius) {}
 
-  BodyMotion move(const Pose2& pose, const Twist2& twist, double duration) const;
+  BodyMotion move(const Pose2& pose, const BodyVelocity& velocity, double duration) const;
 
  private:
   bool free(const Pose2& pose, const Shift& shift) const;
   double free_share(const Pose2& pose, const Shift& shift) const;
-  Shift on_cone(const Shift& driven, double away, double around) const;
+  Shift on_cone(const Cone& cone, double away, double around) const;
   Shift slide(const Pose2& pose, const Shift& driven) const;
-  Shift nearest_on_ray(const Pose2& pose, const Shift& driven, double held, double free, double around) const;
+  Shift refined(const Pose2& pose, const Cone& cone, double blocked, double clear, double around) const;
 
   const SolidMap& map_;
   const ChairConfig& chair_;
+  Eigen::Array3d scale_;  // roots of the masses that resist: ahead, sideways, turn
 };
 
 /// Checked at poses so near to each other that no corner moves by more than half a cell (or 5 cm) between them.
@@ -55,27 +71,23 @@ double Body::free_share(const Pose2& pose, const Shift& shift) const {
   return low;
 }
 
-/// The displacement at an angle `away` from the driven one, with ahead, turn and skid scaled by the roots of their
-/// masses; `around` is 0 and pi without skid, +-pi/2 with nothing but skid. Its length is the driven one's projection,
-/// shortened by friction: cos(away) - friction * sin(away).
-Shift Body::on_cone(const Shift& driven, double away, double around) const {
-  const double radius = chair_.contact.gyration_radius;
-  const double ahead = driven.ahead, turn = driven.turn * radius;
+/// The displacement at an angle `away` from the driven one, to the side `around`. Its length is the driven one's
+/// projection, shortened by friction: cos(away) - friction * sin(away).
+Shift Body::on_cone(const Cone& cone, double away, double around) const {
   const double along = std::cos(away), across = std::sin(away);
-  const double length = along - chair_.contact.friction * across;
-  const double tilt = across * std::cos(around),
-               skid = across * std::sin(around) / std::sqrt(chair_.contact.skid_resistance);
-  return Shift{along * ahead - tilt * turn, skid * std::hypot(ahead, turn), (along * turn + tilt * ahead) / radius} *
-         length;
+  const Eigen::Array3d moved =
+      (along * cone.axis + across * std::cos(around) * cone.without_skid + across * std::sin(around) * cone.with_skid) *
+      (along - chair_.contact.friction * across);
+  return {moved[0] / scale_[0], moved[1] / scale_[1], moved[2] / scale_[2]};
 }
 
-/// On the way from an angle that is blocked to one that is free, the smallest angle that is free.
-Shift Body::nearest_on_ray(const Pose2& pose, const Shift& driven, double held, double free_away, double around) const {
+/// Between an angle that is blocked and one that is clear, nearly the smallest that is clear.
+Shift Body::refined(const Pose2& pose, const Cone& cone, double blocked, double clear, double around) const {
   for (int i = 0; i < 4; ++i) {
-    const double middle = (held + free_away) / 2;
-    (free(pose, on_cone(driven, middle, around)) ? free_away : held) = middle;
+    const double middle = (blocked + clear) / 2;
+    (free(pose, on_cone(cone, middle, around)) ? clear : blocked) = middle;
   }
-  return on_cone(driven, free_away, around);
+  return on_cone(cone, clear, around);
 }
 
 /// Cones around the driven displacement, wider and wider, until one holds a free displacement; none if friction holds.
@@ -84,30 +96,33 @@ Shift Body::slide(const Pose2& pose, const Shift& driven) const {
   constexpr int rays = 16;
   // Without skid first, then little by little to either side.
   constexpr std::array<int, rays> order{0, 8, 1, 15, 7, 9, 2, 14, 6, 10, 3, 13, 5, 11, 4, 12};
+  const Cone cone(Eigen::Array3d(driven.ahead, driven.sideways, driven.turn) * scale_);
   const double sticking = std::atan2(1.0, chair_.contact.friction);
   for (double away = width; away < sticking; away += width)
     for (const int ray : order)
-      if (const double around = ray * 2 * pi / rays; free(pose, on_cone(driven, away, around)))
-        return nearest_on_ray(pose, driven, away - width, away, around);
+      if (const double around = ray * 2 * pi / rays; free(pose, on_cone(cone, away, around)))
+        return refined(pose, cone, away - width, away, around);
   return {};
 }
 
-BodyMotion Body::move(const Pose2& pose, const Twist2& twist, double duration) const {
-  const Shift driven{twist.linear * duration, 0, twist.angular * duration};
-  if (free(pose, driven)) return {shifted(pose, driven), twist, std::abs(driven.ahead), false, {}};
+BodyMotion Body::move(const Pose2& pose, const BodyVelocity& velocity, double duration) const {
+  const Shift driven = Shift{velocity.twist.linear, velocity.skid, velocity.twist.angular} * duration;
+  if (free(pose, driven))
+    return {shifted(pose, driven), velocity, std::hypot(driven.ahead, driven.sideways), false, {}};
   const double share = free_share(pose, driven);
   const Pose2 touching = shifted(pose, driven * share);
-  const Shift rest = slide(touching, driven * (1 - share));
-  const Twist2 turned{(share * driven.ahead + rest.ahead) / duration, (share * driven.turn + rest.turn) / duration};
-  const double distance = std::abs(share * driven.ahead) + std::hypot(rest.ahead, rest.sideways);
-  return {shifted(touching, rest), turned, distance, true, shifted(pose, driven)};
+  const Shift first = driven * share, rest = slide(touching, driven * (1 - share));
+  const Twist2 twist{(first.ahead + rest.ahead) / duration, (first.turn + rest.turn) / duration};
+  const double distance = std::hypot(first.ahead, first.sideways) + std::hypot(rest.ahead, rest.sideways);
+  const double skid = (first.sideways + rest.sideways) / duration;
+  return {shifted(touching, rest), {twist, skid}, distance, true, shifted(pose, driven)};
 }
 
 }  // namespace
 
-BodyMotion move_body(const SolidMap& map, const ChairConfig& chair, const Pose2& pose, const Twist2& twist,
+BodyMotion move_body(const SolidMap& map, const ChairConfig& chair, const Pose2& pose, const BodyVelocity& driven,
                      double duration) {
-  return Body(map, chair).move(pose, twist, duration);
+  return Body(map, chair).move(pose, driven, duration);
 }
 
 }  // namespace lfdcore

@@ -24,6 +24,7 @@ void validate_speeds(const MotionLimits& limits) {
 void validate(const ContactConfig& contact) {
   require_between("friction", contact.friction, 0, 10, "");
   require_between("skid_resistance", contact.skid_resistance, 0.01, 1e4, "");
+  require_between("skid_time", contact.skid_time, 0.001, 10, "s");
   require_between("gyration_radius", contact.gyration_radius, 0.01, 10, "m");
   require_between("release_gap", contact.release_gap, 0, 1, "m");
   require_between("release_time", contact.release_time, 0, 60, "s");

@@ -52,7 +52,7 @@ void DrivingWorld::reset(const Pose2& pose) {
   odometry_ = {};
   acting_ = {};
   pending_.clear();
-  clear_time_ = 0;
+  clear_time_ = skid_ = 0;
   steps_ = 0;
   placed_ = true;
 }
@@ -86,13 +86,15 @@ void DrivingWorld::sub_step(double duration) {
     pending_.erase(pending_.begin());
   }
   const Twist2 driven = approach(state_.twist, acting_, chair_.limits, duration);
-  const BodyMotion motion = move_body(map_, chair_, state_.pose, driven, duration);
+  const double skid = skid_ * std::exp(-duration / chair_.contact.skid_time);
+  const BodyMotion motion = move_body(map_, chair_, state_.pose, {driven, skid}, duration);
   state_.pose = motion.pose;
-  state_.twist = motion.twist;
+  state_.twist = motion.velocity.twist;
+  skid_ = std::abs(motion.velocity.skid) < 1e-4 ? 0 : motion.velocity.skid;
   state_.distance += motion.distance;
   state_.stamp += duration;
   odometry_ =
-      integrate(odometry_, {motion.twist.linear * linear_factor_, motion.twist.angular * angular_factor_}, duration);
+      integrate(odometry_, {state_.twist.linear * linear_factor_, state_.twist.angular * angular_factor_}, duration);
   note_contact(motion, duration);
 }
 

@@ -9,7 +9,8 @@ namespace lfdcore {
 /// How the body behaves where it touches (docs/decisions: the thesis's simulator had no side contact, Sec. 3.6).
 struct ContactConfig {
   double friction = 0.3;         ///< Coulomb's coefficient between body and wall
-  double skid_resistance = 4.0;  ///< how much harder than rolling it is to push the wheels sideways (ratio of masses)
+  double skid_resistance = 2.0;  ///< how much harder than rolling it is to push the wheels sideways (ratio of masses)
+  double skid_time = 0.2;        ///< in which wheels that were pushed sideways grip again (time constant) [s]
   double gyration_radius = 0.4;  ///< of chair and driver about the axle's centre [m]
   double release_gap = 0.02;     ///< a contact lasts until the body is clear of everything by this much [m] ...
   double release_time = 0.5;     ///< ... for this long [s], so that chattering counts once

@@ -80,6 +80,7 @@ class DrivingWorld {
   bool placed_ = false;
   std::uint64_t steps_ = 0;
   double clear_time_ = 0;
+  double skid_ = 0;  // sideways speed left over from a contact [m/s]
   std::vector<PendingCommand> pending_;
   Twist2 acting_;
   Pose2 odometry_;
