@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 
 #include "dpp_sweep.hpp"
@@ -34,10 +36,11 @@ void count_outside(std::vector<double>& self, int width, int rows_inside) {
 }
 
 void require_preferences(const GridMdp& mdp, const Preferences& initial) {
-  const auto cells = mdp.reward.size();
-  require(initial.rows() == cells, "initial preference has " + std::to_string(initial.rows()) + " states, must have " +
-                                       std::to_string(cells) + " (height * width)");
-  require(initial.allFinite(), "initial preference holds NaN or infinity, every entry must be finite");
+  if (initial.rows() != mdp.reward.size()) {
+    throw std::invalid_argument("initial preference has " + std::to_string(initial.rows()) + " states, must have " +
+                                std::to_string(mdp.reward.size()) + " (height * width)");
+  }
+  if (!initial.allFinite()) throw std::invalid_argument("initial preference holds NaN or infinity");
 }
 
 }  // namespace
@@ -153,10 +156,11 @@ void DppSolver::check_exponents(const DppResult& result) const {
   const double start = result.initial.rows() > 0 ? result.initial.abs().maxCoeff() : 0.0;
   const double exponent =
       config_.inverse_temperature * (largest_reward * config_.sweeps * horizon + start / (1 - config_.discount));
-  require(exponent <= largest_exponent, "inverse_temperature " + std::to_string(config_.inverse_temperature) +
-                                            " with rewards up to " + std::to_string(largest_reward) +
-                                            " gives exponents up to " + std::to_string(exponent) +
-                                            ", must be at most " + std::to_string(largest_exponent));
+  if (exponent <= largest_exponent) return;
+  std::ostringstream text;
+  text << "inverse_temperature " << config_.inverse_temperature << " with rewards up to " << largest_reward
+       << " gives exponents up to " << exponent << ", must be at most " << largest_exponent;
+  throw std::invalid_argument(text.str());
 }
 
 void DppSolver::lay_out(const DppResult& result) {

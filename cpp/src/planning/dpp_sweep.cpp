@@ -56,10 +56,11 @@ LFDCORE_INLINE V exp2_fraction(V f) {
   return p;
 }
 
-// 2^d for an integer d <= 0; 2^-1022 for anything lower
+// 2^d for an integer d <= 0; 2^-400, which is nothing beside 1, for anything lower: products of two stay normal
+// numbers, since arithmetic on subnormal ones is slow.
 template <int N>
 LFDCORE_INLINE Vec<N> power_of_two(Vec<N> d) {
-  const Vec<N> biased = larger(d, Vec<N>{} - 1022) + (round_magic + 1023);
+  const Vec<N> biased = larger(d, Vec<N>{} - 400) + (round_magic + 1023);
   return reinterpret_cast<Vec<N>>(reinterpret_cast<typename Lanes<N>::Bits>(biased) << 52);
 }
 
