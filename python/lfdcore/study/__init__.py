@@ -1,0 +1,1 @@
+"""Closed-loop studies: courses, simulated drivers, metrics and reports."""
