@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.control import FootprintRollout, RolloutConfig
+from lfdcore.control import FootprintRollout, FootprintRolloutConfig
 from lfdcore.geometry import arc_length
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, inflate
 from lfdcore.planning import (
@@ -38,8 +38,6 @@ class PlannerConfig:
 
     reward: RewardConfig = field(default_factory=RewardConfig)
     dpp: DppConfig = field(default_factory=DppConfig)
-    block_obstacles: bool = True
-    """Forbid moves into obstacle cells (ERRATA 20); printed: obstacles only cost."""
     inflations: tuple[float, ...] = (0.35, 0.30, 0.25)
     """Radii [m] by which obstacles grow, tried in turn until there is a path; printed: none."""
     check_footprint: bool = True
@@ -54,14 +52,14 @@ class PlannerConfig:
     """Of pure pursuit [m] (Sec. 3.4.2)."""
     tight_look_ahead: float = 0.3
     """Of pure pursuit [m] on a path of hybrid A*."""
-    rollout: RolloutConfig = field(default_factory=RolloutConfig)
+    rollout: FootprintRolloutConfig = field(default_factory=FootprintRolloutConfig)
     hybrid_astar: HybridAstarConfig = field(default_factory=HybridAstarConfig)
 
     @staticmethod
     def thesis() -> PlannerConfig:
         """The printed loop: soft obstacles, K - 1 = 99 sweeps, no inflation, no footprint."""
         return PlannerConfig(
-            dpp=DppConfig(sweeps=99), block_obstacles=False, inflations=(0.0,), check_footprint=False, start_clear=0.0
+            dpp=DppConfig(sweeps=99, blocked=False), inflations=(0.0,), check_footprint=False, start_clear=0.0
         )
 
 
@@ -97,7 +95,7 @@ class PathPlanner:
         self.config = config
         self.chair = chair
         self._dpp = DppSolver(config.dpp)
-        self._hybrid_astar = HybridAstar(config.hybrid_astar)
+        self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
         """A path for the driver's input; None if nothing is intended or nothing leads there without contact.
@@ -134,10 +132,9 @@ class PathPlanner:
             return None
         cells = cells[: np.flatnonzero(free)[-1] + 1]  # a blocked goal becomes the primitive's last free cell
         reward = path_reward(blocked, cells, self.config.reward)
-        walls = blocked if self.config.block_obstacles else np.zeros_like(blocked)
-        result = self._dpp.solve(GridMdp(reward, walls))
+        result = self._dpp.solve(GridMdp(reward, blocked))
         drawn = greedy_path(result, START, tuple(cells[-1]))
-        path = smooth(grid.centres(drawn.cells))
+        path = smooth(np.array(grid.origin) + (drawn.cells + 0.5) * grid.resolution)
         if arc_length(path)[-1] < self.config.shortest:
             return None
         return path, reward
