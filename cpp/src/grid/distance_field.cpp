@@ -1,5 +1,6 @@
 #include "lfdcore/grid/distance_field.hpp"
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -9,7 +10,6 @@
 namespace lfdcore {
 namespace {
 
-using Row = Eigen::ArrayXd;
 constexpr float nowhere = std::numeric_limits<float>::infinity();
 
 void check(const Mask& occupied, double resolution) {
@@ -78,7 +78,9 @@ FloatGrid squared_distance(const Mask& occupied) {
 
 FloatGrid distance_field(const Mask& occupied, double resolution) {
   check(occupied, resolution);
-  return squared_distance(occupied).sqrt() * static_cast<float>(resolution);
+  const auto metres = static_cast<float>(resolution);
+  // Not Eigen's sqrt(), whose fast variant makes infinity NaN.
+  return squared_distance(occupied).unaryExpr([metres](float square) { return std::sqrt(square) * metres; });
 }
 
 Mask inflate(const Mask& occupied, double radius, double resolution) {
