@@ -1,56 +1,94 @@
 #include "lfdcore/grid/distance_field.hpp"
 
+#include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
+
+#include "lfdcore/error.hpp"
 
 namespace lfdcore {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float nowhere = std::numeric_limits<float>::infinity();
 
-// Lower envelope of parabolas (Felzenszwalb and Huttenlocher 2012): squared distances along one line.
-void transform_line(std::vector<double>& line, std::vector<int>& apex, std::vector<double>& from) {
-  const int n = static_cast<int>(line.size());
-  const std::vector<double> height = line;
-  int top = -1;
-  for (int q = 0; q < n; ++q) {
-    if (height[q] == infinity) continue;
-    double start = -infinity;
-    for (; top >= 0; --top) {
-      const int p = apex[top];
-      start = ((height[q] + q * q) - (height[p] + p * p)) / (2.0 * (q - p));
-      if (start > from[top]) break;
+void check(const Mask& occupied, double resolution) {
+  require_positive("resolution", resolution, "m");
+  if (occupied.size() == 0)
+    throw std::invalid_argument("occupied is " + std::to_string(occupied.rows()) + " x " +
+                                std::to_string(occupied.cols()) + " cells, must be at least 1 x 1");
+}
+
+// Cells to the nearest occupied cell of the same column; infinity if there is none.
+FloatGrid distance_along_columns(const Mask& occupied) {
+  FloatGrid cells = occupied.select(FloatGrid::Zero(occupied.rows(), occupied.cols()), nowhere);
+  for (Eigen::Index iy = 1; iy < cells.rows(); ++iy) cells.row(iy) = cells.row(iy).min(cells.row(iy - 1) + 1);
+  for (Eigen::Index iy = cells.rows() - 2; iy >= 0; --iy) cells.row(iy) = cells.row(iy).min(cells.row(iy + 1) + 1);
+  return cells;
+}
+
+// The lower envelope of the parabolas f(v) + (x - v)^2 of one row. Their crossings are rational numbers that no whole x
+// comes close to without being equal, so that doubles decide exactly.
+class Envelope {
+ public:
+  explicit Envelope(Eigen::Index width) : vertex_(width), height_(width), from_(width) {}
+
+  // Replaces distances along columns by squared distances [cells^2] in the plane.
+  template <class CellRow>
+  void lower(CellRow row) {
+    count_ = 0;
+    for (Eigen::Index x = 0; x < row.size(); ++x)
+      if (row(x) != nowhere) add(static_cast<double>(x), static_cast<double>(row(x)) * row(x));
+    if (count_ == 0) return;
+    std::size_t k = 0;
+    for (Eigen::Index x = 0; x < row.size(); ++x) {
+      const auto at = static_cast<double>(x);
+      while (k + 1 < count_ && from_[k + 1] <= at) ++k;
+      row(x) = static_cast<float>(height_[k] + (at - vertex_[k]) * (at - vertex_[k]));
     }
-    if (top < 0) start = -infinity;
-    apex[++top] = q;
-    from[top] = start;
   }
-  if (top < 0) return;
-  for (int q = 0, k = 0; q < n; ++q) {
-    while (k < top && from[k + 1] < q) ++k;
-    line[q] = (q - apex[k]) * (q - apex[k]) + height[apex[k]];
+
+ private:
+  void add(double x, double f) {
+    double from = -std::numeric_limits<double>::infinity();
+    while (count_ > 0) {
+      const double v = vertex_[count_ - 1];
+      from = ((f + x * x) - (height_[count_ - 1] + v * v)) / (2 * (x - v));
+      if (from > from_[count_ - 1]) break;
+      --count_;
+      from = -std::numeric_limits<double>::infinity();
+    }
+    vertex_[count_] = x;
+    height_[count_] = f;
+    from_[count_++] = from;
   }
+
+  std::vector<double> vertex_, height_, from_;
+  std::size_t count_ = 0;
+};
+
+FloatGrid squared_distance(const Mask& occupied) {
+  FloatGrid cells = distance_along_columns(occupied);
+  Envelope envelope(cells.cols());
+  for (Eigen::Index iy = 0; iy < cells.rows(); ++iy) envelope.lower(cells.row(iy));
+  return cells;
 }
 
 }  // namespace
 
 FloatGrid distance_field(const Mask& occupied, double resolution) {
-  GridOf<double> squared = occupied.select(GridOf<double>::Zero(occupied.rows(), occupied.cols()), infinity);
-  const auto longest = static_cast<std::size_t>(std::max(occupied.rows(), occupied.cols()));
-  std::vector<double> line, from(longest);
-  std::vector<int> apex(longest);
-  for (Eigen::Index ix = 0; ix < squared.cols(); ++ix) {
-    line.assign(squared.rows(), 0);
-    for (Eigen::Index iy = 0; iy < squared.rows(); ++iy) line[iy] = squared(iy, ix);
-    transform_line(line, apex, from);
-    for (Eigen::Index iy = 0; iy < squared.rows(); ++iy) squared(iy, ix) = line[iy];
-  }
-  for (Eigen::Index iy = 0; iy < squared.rows(); ++iy) {
-    line.assign(squared.row(iy).begin(), squared.row(iy).end());
-    transform_line(line, apex, from);
-    for (Eigen::Index ix = 0; ix < squared.cols(); ++ix) squared(iy, ix) = line[ix];
-  }
-  return (squared.sqrt() * resolution).cast<float>();
+  check(occupied, resolution);
+  const auto metres = static_cast<float>(resolution);
+  // Not Eigen's sqrt(), whose fast variant makes infinity NaN.
+  return squared_distance(occupied).unaryExpr([metres](float square) { return std::sqrt(square) * metres; });
+}
+
+Mask inflate(const Mask& occupied, double radius, double resolution) {
+  check(occupied, resolution);
+  require_between("radius", radius, 0, std::numeric_limits<double>::max(), "m");
+  // So that 7 cells of 0.05 m are within 0.35 m.
+  const double cells = radius / resolution * (1 + 1e-9);
+  return squared_distance(occupied).cast<double>() <= cells * cells;
 }
 
 }  // namespace lfdcore
