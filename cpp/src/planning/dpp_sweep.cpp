@@ -147,8 +147,6 @@ LFDCORE_INLINE void sweep_lanes(const SweepGrid& grid, const double* y, double d
   }
 }
 
-using Sweep = void(const SweepGrid&, const double*, double, double, double*);
-
 void sweep_2(const SweepGrid& grid, const double* y, double discount, double count, double* next) {
   sweep_lanes<2>(grid, y, discount, count, next);
 }
@@ -164,22 +162,27 @@ __attribute__((target("avx2,fma,avx512f,avx512dq,avx512bw,avx512vl"))) void swee
   sweep_lanes<8>(grid, y, discount, count, next);
 }
 
-Sweep* widest_sweep() {
-  __builtin_cpu_init();
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-  if (avx512) return sweep_8;
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? sweep_4 : sweep_2;
+bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+bool has_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
 }
-#else
-Sweep* widest_sweep() { return sweep_2; }
 #endif
 
 }  // namespace
 
+std::vector<Sweep*> sweeps_of_this_cpu() {
+  std::vector<Sweep*> sweeps{sweep_2};
+#if defined(__x86_64__)
+  if (has_avx2()) sweeps.push_back(sweep_4);
+  if (has_avx2() && has_avx512()) sweeps.push_back(sweep_8);
+#endif
+  return sweeps;
+}
+
 void sweep_grid(const SweepGrid& grid, const double* y, double discount, double count, double* next) {
-  static Sweep* const sweep = widest_sweep();
-  sweep(grid, y, discount, count, next);
+  static Sweep* const widest = sweeps_of_this_cpu().back();
+  widest(grid, y, discount, count, next);
 }
 
 }  // namespace lfdcore::detail
