@@ -1,6 +1,8 @@
 // One sweep of DPP over a padded grid, vectorised. Private to planning/.
 #pragma once
 
+#include <vector>
+
 namespace lfdcore::detail {
 
 /// A grid of `height` rows of `stride` (a multiple of `lane_padding`) doubles. Blocked cells and padding hold a reward
@@ -20,6 +22,12 @@ inline constexpr double blocked_value = -1e200, blocked_below = -1e100;
 inline int row_workspace(int stride) { return 18 * (stride + 2 * lane_padding); }
 
 /// next(s) = count rho(s) + discount * sum_a w_a y(s'_a) / sum_a w_a with w = 2^y, over the 3 x 3 successors of s.
-void sweep_grid(const SweepGrid& grid, const double* y, double discount, double count, double* next);
+using Sweep = void(const SweepGrid& grid, const double* y, double discount, double count, double* next);
+
+/// The same sweep for 2, 4 and 8 lanes, as far as this CPU has them, the widest last.
+std::vector<Sweep*> sweeps_of_this_cpu();
+
+/// The widest of them.
+Sweep sweep_grid;
 
 }  // namespace lfdcore::detail

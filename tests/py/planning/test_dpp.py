@@ -22,7 +22,7 @@ from lfdcore.planning import (
     path_reward,
 )
 
-# Both sides round in double; 1e-13 of the largest preference has been seen.
+# Both sides round in double; with these rewards, 1e-13 of the largest preference has been seen.
 ROUNDING = 1e-10
 
 
@@ -103,6 +103,23 @@ def test_greedy_actions_are_the_first_largest_preference() -> None:
     result = DppSolver(DppConfig(sweeps=50)).solve(mdp)
     wanted = np.where(mdp.blocked, -1, result.preferences().argmax(axis=2))
     np.testing.assert_array_equal(result.greedy_actions(), wanted)
+
+
+@pytest.mark.parametrize("sweeps", [99, 300])
+def test_the_plan_around_an_obstacle_is_that_of_plain_numpy(sweeps: int) -> None:
+    rng = np.random.default_rng(10)
+    occupied = np.zeros((40, 40), bool)
+    occupied[12:30, 20:24] = True
+    path = np.array([[8, 17], [9, 18], *([x, 19] for x in range(10, 33)), [33, 20]])
+    # No two cells alike: where paths tie, rounding would decide.
+    mdp = GridMdp(path_reward(occupied, path) + rng.uniform(0, 0.1, (40, 40)).astype(np.float32), occupied)
+    psi, _ = dpp(mdp.reward, mdp.blocked, 0.99, 0.001, sweeps)
+    result = DppSolver(DppConfig(sweeps=sweeps)).solve(mdp)
+    np.testing.assert_array_equal(result.greedy_actions(), np.where(occupied, -1, psi.argmax(axis=2)))
+    # D.8 is no contraction: the rounding of one sweep can grow a million times before it shrinks again.
+    found, there = result.preferences(), np.isfinite(psi)
+    np.testing.assert_allclose(found[there], psi[there], rtol=0, atol=1e-7 * np.abs(psi[there]).max())
+    assert greedy_path(result, (8, 17), (33, 20)).outcome == PathOutcome.goal
 
 
 def check_path(path: GreedyPath, blocked: NDArray[np.bool_]) -> None:

@@ -68,7 +68,7 @@ def test_a_path_of_one_cell_has_the_last_reward() -> None:
     assert path_reward(np.zeros((5, 5), bool), np.array([[2, 1]]))[1, 2] == 100
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(points=st.lists(st.tuples(st.floats(-2.49, 2.49), st.floats(-1.49, 1.49)), min_size=1, max_size=8))
 def test_cells_of_a_polyline_touch_differ_and_keep_close_to_it(points: list[tuple[float, float]]) -> None:
     grid = window(100, 60)
