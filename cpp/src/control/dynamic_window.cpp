@@ -45,14 +45,13 @@ Eigen::Vector2d end_of(const Twist2& twist, double duration) {
 }
 
 // Tests the poses at every step, leaving out those that the clearance so far shows to be free.
-bool collides(const NearPoints& points, const Footprint& footprint, const Twist2& twist,
-              const DynamicWindowConfig& config) {
+bool collides(NearPoints& points, const Footprint& footprint, const Twist2& twist, const DynamicWindowConfig& config) {
   const int steps = static_cast<int>(std::ceil(config.horizon / config.step - 1e-9));
   const double fastest = std::abs(twist.linear) + std::abs(twist.angular) * footprint.outer_radius();
   const double move = fastest * config.step;  // no point of the body moves farther in a step
   for (int k = 1; k <= steps;) {
     const double time = std::min(k * config.step, config.horizon);
-    const double clearance = points.slack(integrate({}, twist, time), footprint);
+    const double clearance = points.slack(integrate({}, twist, time), footprint, 0);
     if (clearance <= 0) return true;
     if (clearance >= move * (steps - k)) return false;
     k += std::max(1, static_cast<int>(clearance / move * (1 - 1e-9)));

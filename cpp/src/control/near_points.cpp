@@ -4,10 +4,11 @@
 
 namespace lfdcore {
 
-constexpr std::size_t lanes = 8;
+constexpr std::size_t lanes = 8, chunk = 64;
 
-// Own minimum in each lane, so that the compiler may vectorise without reordering a floating-point reduction.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void least_slack(const double* x, const double* y,
+// Lowers least[k] to the least slack of the points in lane k. A minimum for each lane, so that the compiler may
+// vectorise without reordering a floating-point reduction.
+__attribute__((target_clones("avx512f", "avx2", "default"))) void lower_slack(const double* x, const double* y,
                                                                               const double* keep, std::size_t count,
                                                                               const double* pose, const double* body,
                                                                               double* least) {
@@ -36,7 +37,7 @@ void NearPoints::gather(const ObstaclePoints& obstacles, double radius) {
     y_.resize(room);
     keep_.resize(room);
   }
-  count_ = 0;
+  count_ = last_hit_ = 0;
   const double* row = points.data();
   for (Eigen::Index i = 0; i < points.rows(); ++i, row += 2) {
     x_[count_] = row[0];
@@ -56,15 +57,24 @@ void NearPoints::keep(double distance, const Footprint& footprint) {
   }
 }
 
-double NearPoints::slack(const Pose2& pose, const Footprint& footprint) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (count_ == 0) return infinity;
+double NearPoints::slack(const Pose2& pose, const Footprint& footprint, double enough) {
   const double at[] = {pose.x, pose.y, std::cos(pose.yaw), std::sin(pose.yaw)};
   const double body[] = {footprint.front, footprint.rear, footprint.half_width};
-  double least[lanes];
-  std::fill(least, least + lanes, infinity);
-  least_slack(x_.data(), y_.data(), keep_.data(), count_, at, body, least);
-  return *std::min_element(least, least + lanes);
+  double lane[lanes];
+  double least = std::numeric_limits<double>::infinity();
+  std::fill(lane, lane + lanes, least);
+  const std::size_t chunks = (count_ + chunk - 1) / chunk;
+  // What stopped the last pose will often stop this one: begin there.
+  for (std::size_t k = 0, at_chunk = last_hit_; k < chunks; ++k, at_chunk = at_chunk + 1 < chunks ? at_chunk + 1 : 0) {
+    const std::size_t i = at_chunk * chunk;
+    lower_slack(x_.data() + i, y_.data() + i, keep_.data() + i, std::min(chunk, count_ - i), at, body, lane);
+    least = *std::min_element(lane, lane + lanes);
+    if (least <= enough) {
+      last_hit_ = at_chunk;
+      break;
+    }
+  }
+  return least;
 }
 
 }  // namespace lfdcore

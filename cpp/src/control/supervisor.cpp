@@ -142,11 +142,11 @@ double Supervisor::reach_at(double place) const {
   return arc.reach + speed * arc.duration * (place - static_cast<double>(k));
 }
 
-double Supervisor::slack_at(double place) const {
+double Supervisor::slack_at(double place) {
   const auto k = std::min(static_cast<std::size_t>(place), arcs_.size() - 1);
   const Arc& arc = arcs_[k];
   const double time = arc.duration * (place - static_cast<double>(k));
-  return points_.slack(integrate(arc.start, arc.twist, time), footprint_);
+  return points_.slack(integrate(arc.start, arc.twist, time), footprint_, -2 * rounding);
 }
 
 bool Supervisor::roll_out_is_free() {

@@ -1,6 +1,7 @@
 // The obstacle points that a moving body may come near to, laid out for thousands of exact distance queries.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "lfdcore/geometry.hpp"
@@ -28,13 +29,14 @@ class NearPoints {
 
   /// Least of (signed distance - distance to keep) [m] over the points, for a body at `pose`; infinity without points.
   /// It changes by no more than the farthest move of any point of the body.
-  double slack(const Pose2& pose, const Footprint& footprint) const;
+  /// A value of `enough` [m] or less may be returned early: then it is the slack of some point, not the least.
+  double slack(const Pose2& pose, const Footprint& footprint, double enough = -std::numeric_limits<double>::infinity());
 
   /// Number of points taken.
   std::size_t size() const { return count_; }
 
  private:
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, last_hit_ = 0;
   std::vector<double> x_, y_, keep_;  // padded to whole vectors with points far away
 };
 

@@ -84,7 +84,7 @@ class Supervisor {
   bool roll_out_is_free();
   bool free_between(double from, double to, double slack_from, double slack_to);
   double reach_at(double place) const;
-  double slack_at(double place) const;
+  double slack_at(double place);
   double margin_for(const Twist2& command) const;
   bool largest_scale(const Twist2& wanted, Twist2& found);
   bool nearest_twist(const Twist2& wanted, Twist2& found);
