@@ -47,7 +47,7 @@ def test_time_to_contact_is_never_late_and_early_only_for_near_misses(seed: int,
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_pose_of_a_rollout_before_its_contact_touches_anything(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    points = ObstaclePoints(rng.uniform(-0.5, 3.5, (10, 2)) + (0, -1.5))
+    points = ObstaclePoints(rng.uniform(-0.5, 3.5, (10, 2)) + np.array([0, -1.5]))
     path = np.cumsum(np.vstack([[0, 0], np.column_stack([rng.uniform(0, 0.4, 8), rng.normal(0, 0.15, 8)])]), axis=0)
     rollout = rollout_pursuit(path, points, CHAIR)
     free = [not points.collides(Pose2(*pose), CHAIR) for pose in rollout.poses]

@@ -57,8 +57,9 @@ void GoalDistance::flood() {
 double GoalDistance::at(double x, double y) const {
   const int steps = steps_[std::clamp(index(y), 0, side_ - 1) * side_ + std::clamp(index(x), 0, side_ - 1)];
   if (steps == blocked || steps == unreached) return std::numeric_limits<double>::infinity();
-  // A way of 10s and 14s is at most hypot(1, 0.4) times as long as the straight one.
-  return std::max(0.0, steps * cell / straight / std::hypot(1.0, 0.4) - cell / 2);
+  // A way of 10s and 14s is at most hypot(1, 0.4) times as long as the straight one; both ends lie within half a
+  // diagonal of their cells' centres.
+  return std::max(0.0, steps * cell / straight / std::hypot(1.0, 0.4) - cell * std::numbers::sqrt2);
 }
 
 }  // namespace lfdcore
