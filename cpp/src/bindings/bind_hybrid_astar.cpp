@@ -8,10 +8,11 @@ using Config = HybridAstarConfig;
 
 Config make_config(double margin, double goal_tolerance, double heading_tolerance, double window, int max_expansions,
                    bool allow_reverse, double turn_cost, double curvature_cost, double pivot_cost,
-                   double pivot_turn_cost, double reverse_cost, double clearance_cost, double comfort) {
-  const Config made{margin,    goal_tolerance, heading_tolerance, window,          max_expansions, allow_reverse,
-                    turn_cost, curvature_cost, pivot_cost,        pivot_turn_cost, reverse_cost,   clearance_cost,
-                    comfort};
+                   double pivot_turn_cost, double reverse_cost, double clearance_cost, double comfort,
+                   double eagerness) {
+  const Config made{margin,        goal_tolerance, heading_tolerance, window,     max_expansions,
+                    allow_reverse, turn_cost,      curvature_cost,    pivot_cost, pivot_turn_cost,
+                    reverse_cost,  clearance_cost, comfort,           eagerness};
   validate(made);
   return made;
 }
@@ -19,13 +20,13 @@ Config make_config(double margin, double goal_tolerance, double heading_toleranc
 py::tuple state(const Config& c) {
   return py::make_tuple(c.margin, c.goal_tolerance, c.heading_tolerance, c.window, c.max_expansions, c.allow_reverse,
                         c.turn_cost, c.curvature_cost, c.pivot_cost, c.pivot_turn_cost, c.reverse_cost,
-                        c.clearance_cost, c.comfort);
+                        c.clearance_cost, c.comfort, c.eagerness);
 }
 
 Config from_state(const py::tuple& t) {
   const auto number = [&t](int i) { return t[i].cast<double>(); };
   return make_config(number(0), number(1), number(2), number(3), t[4].cast<int>(), t[5].cast<bool>(), number(6),
-                     number(7), number(8), number(9), number(10), number(11), number(12));
+                     number(7), number(8), number(9), number(10), number(11), number(12), number(13));
 }
 
 void bind_config(py::module_& m) {
@@ -39,7 +40,8 @@ void bind_config(py::module_& m) {
            py::arg("allow_reverse") = c.allow_reverse, py::arg("turn_cost") = c.turn_cost,
            py::arg("curvature_cost") = c.curvature_cost, py::arg("pivot_cost") = c.pivot_cost,
            py::arg("pivot_turn_cost") = c.pivot_turn_cost, py::arg("reverse_cost") = c.reverse_cost,
-           py::arg("clearance_cost") = c.clearance_cost, py::arg("comfort") = c.comfort)
+           py::arg("clearance_cost") = c.clearance_cost, py::arg("comfort") = c.comfort,
+           py::arg("eagerness") = c.eagerness)
       .def_readonly("margin", &Config::margin, "kept free around the footprint [m]")
       .def_readonly("goal_tolerance", &Config::goal_tolerance, "of the base_link origin [m]")
       .def_readonly("heading_tolerance", &Config::heading_tolerance, "of the final heading, if asked for [rad]")
@@ -53,6 +55,7 @@ void bind_config(py::module_& m) {
       .def_readonly("reverse_cost", &Config::reverse_cost, "added to each metre backwards")
       .def_readonly("clearance_cost", &Config::clearance_cost, "added to each metre at clearance 0")
       .def_readonly("comfort", &Config::comfort, "clearance from which on more is not better [m]")
+      .def_readonly("eagerness", &Config::eagerness, "weight of the heuristic; 1: least cost, more: sooner found")
       .def(py::pickle(&state, &from_state));
 }
 

@@ -2,21 +2,25 @@
 
 namespace lfdcore {
 
-bool GoalDistance::build(const ClearanceMap& map, const Eigen::Vector2d& goal, double tolerance, double radius) {
-  block(map, radius);
+bool GoalDistance::build(const ClearanceMap& map, const Eigen::Vector2d& goal, double tolerance, const DiscCost& disc) {
+  weigh(map, disc);
   if (!seed(goal, tolerance)) return false;
   flood();
   return true;
 }
 
 // The border stays blocked, so that neighbours need no bounds.
-void GoalDistance::block(const ClearanceMap& map, double radius) {
+void GoalDistance::weigh(const ClearanceMap& map, const DiscCost& disc) {
   const double half_diagonal = cell * std::numbers::sqrt2 / 2;
   std::fill(steps_.begin(), steps_.end(), blocked);
   for (int iy = 1; iy + 1 < side_; ++iy)
-    for (int ix = 1; ix + 1 < side_; ++ix)
-      if (map.at_most(map.index(offset(ix)), map.index(offset(iy))) + half_diagonal >= radius)
-        steps_[iy * side_ + ix] = unreached;
+    for (int ix = 1; ix + 1 < side_; ++ix) {
+      const double clearance = map.at_most(map.index(offset(ix)), map.index(offset(iy))) + half_diagonal - disc.radius;
+      if (clearance < disc.margin) continue;
+      const double lack = std::max(0.0, 1 - std::max(0.0, clearance) / disc.comfort);
+      steps_[iy * side_ + ix] = unreached;
+      factor_[iy * side_ + ix] = static_cast<float>(std::min<double>(dearest, 1 + disc.weight * lack * lack));
+    }
 }
 
 bool GoalDistance::seed(const Eigen::Vector2d& goal, double tolerance) {
@@ -41,9 +45,10 @@ void GoalDistance::flood() {
     idle = bucket.empty() ? idle + 1 : 0;
     for (const int at : bucket) {
       if (steps_[at] != distance) continue;
-      for (const int next : {at - 1, at + 1, at - side_, at + side_}) relax(next, distance + straight);
+      const int aside = static_cast<int>(straight * factor_[at]), across = static_cast<int>(diagonal * factor_[at]);
+      for (const int next : {at - 1, at + 1, at - side_, at + side_}) relax(next, distance + aside);
       for (const int next : {at - side_ - 1, at - side_ + 1, at + side_ - 1, at + side_ + 1})
-        relax(next, distance + diagonal);
+        relax(next, distance + across);
     }
     bucket.clear();
   }
@@ -52,8 +57,9 @@ void GoalDistance::flood() {
 double GoalDistance::at(double x, double y) const {
   const int steps = steps_[std::clamp(index(y), 0, side_ - 1) * side_ + std::clamp(index(x), 0, side_ - 1)];
   if (steps == blocked || steps == unreached) return std::numeric_limits<double>::infinity();
-  // A way of 5s and 7s is at most hypot(1, 0.4) times as long as the straight one.
-  return std::max(0.0, steps * cell / straight / std::hypot(1.0, 0.4) - cell / 2);
+  // A way of 10s and 14s is at most hypot(1, 0.4) times as long as the straight one; both ends lie within half a
+  // diagonal of their cells' centres.
+  return std::max(0.0, steps * cell / straight / std::hypot(1.0, 0.4) - cell * std::numbers::sqrt2);
 }
 
 }  // namespace lfdcore

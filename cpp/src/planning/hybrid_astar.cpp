@@ -58,6 +58,8 @@ class HybridAstar::Search {
   int state_of(const Pose2& pose) const;
   bool beaten(const Node& node) const;
   double heuristic(const Pose2& pose) const;
+  double nose_off(const Pose2& from_start, double axle_pays) const;
+  double final_turn(double yaw) const;
   void push(const Node& node);
   void forget();
   PosePath path_to_last() const;
@@ -112,8 +114,8 @@ HybridAstarOutcome HybridAstar::Search::prepare() {
   if (obstacles_->collides(start_, body_)) return HybridAstarOutcome::start_blocked;
   map_.build(*obstacles_, {start_.x, start_.y});
   const Eigen::Vector2d goal(goal_.x() - start_.x, goal_.y() - start_.y);
-  if (!distance_.build(map_, goal, config_.goal_tolerance, inscribed_radius(kept_free_)))
-    return HybridAstarOutcome::goal_blocked;
+  const DiscCost disc{inscribed_radius(body_), kept_free_.front - body_.front, config_.clearance_cost, config_.comfort};
+  if (!distance_.build(map_, goal, config_.goal_tolerance, disc)) return HybridAstarOutcome::goal_blocked;
   Node first{start_};
   first.state = state_of(start_);
   push(first);
@@ -230,9 +232,30 @@ bool HybridAstar::Search::beaten(const Node& node) const {
   return rival >= 0 && nodes_[rival].cost <= node.cost;
 }
 
+// What the axle's disc still has to pay at least; infinite where it cannot come to the goal.
 double HybridAstar::Search::heuristic(const Pose2& pose) const {
+  const Pose2 from_start{pose.x - start_.x, pose.y - start_.y, pose.yaw};
+  const double disc = distance_.at(from_start.x, from_start.y);
   const double straight = std::hypot(pose.x - goal_.x(), pose.y - goal_.y()) - config_.goal_tolerance;
-  return std::max(straight, distance_.at(pose.x - start_.x, pose.y - start_.y));
+  const double driving = std::max(straight, disc + nose_off(from_start, disc));
+  return config_.eagerness * std::max(driving, final_turn(pose.yaw));
+}
+
+// How much the nose does not lie ahead of the axle on the way: a turn through that angle at the tightest curvature
+// costs about as much. Infinite where the nose's disc cannot come to the goal.
+double HybridAstar::Search::nose_off(const Pose2& from_start, double axle_pays) const {
+  const double ahead = body_.front - inscribed_radius(body_);
+  const Eigen::Vector2d nose = from_start * Eigen::Vector2d(ahead, 0);
+  if (!std::isfinite(axle_pays) || !distance_.covers(nose.x(), nose.y())) return 0;
+  const double nose_pays = distance_.at(nose.x(), nose.y());
+  return std::isfinite(nose_pays) ? std::clamp(nose_pays - axle_pays + ahead, 0.0, axle_pays) : nose_pays;
+}
+
+// The way to the final heading at the tightest curvature, or in place.
+double HybridAstar::Search::final_turn(double yaw) const {
+  if (!goal_heading_) return 0;
+  const double turn = std::abs(wrap_angle(yaw - *goal_heading_)) - config_.heading_tolerance;
+  return std::max(0.0, turn) * std::min(config_.pivot_turn_cost, config_.turn_cost + 1 / tightest_curvature);
 }
 
 void HybridAstar::Search::push(const Node& node) {
@@ -282,6 +305,7 @@ void validate(const HybridAstarConfig& config) {
                                    {"reverse_cost", config.reverse_cost},
                                    {"clearance_cost", config.clearance_cost}})
     require_between(name, cost, 0, 1e3, "");
+  require_between("eagerness", config.eagerness, 1, 10, "");
   require_positive("comfort", config.comfort, "m");
 }
 

@@ -36,7 +36,7 @@ std::vector<MotionPrimitive> motion_primitives(const Footprint& footprint, bool 
   std::vector<MotionPrimitive> made;
   for (const double length : {move_length, -move_length}) {
     if (length < 0 && !reverse) continue;
-    for (const double curvature : {0.0, 0.6, -0.6, 1.3, -1.3, 2.2, -2.2})
+    for (const double curvature : {0.0, 0.6, -0.6, 1.3, -1.3, tightest_curvature, -tightest_curvature})
       made.push_back(primitive(footprint, length, length * curvature));
   }
   for (const double turn : {heading_step, -heading_step}) made.push_back(primitive(footprint, 0, turn));

@@ -9,7 +9,8 @@ namespace lfdcore {
 
 inline constexpr int headings = 32;
 inline constexpr double heading_step = 2 * pi / headings;
-inline constexpr double move_length = 0.15;  // [m]
+inline constexpr double move_length = 0.15;        // [m]
+inline constexpr double tightest_curvature = 2.2;  // [1/m]
 
 /// Part of a move: its middle relative to the move's start, and what the sweep over it adds to the footprint [m].
 struct Interval {

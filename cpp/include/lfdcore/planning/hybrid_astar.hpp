@@ -20,11 +20,12 @@ struct HybridAstarConfig {
   bool allow_reverse = false;      ///< drive backwards too
   double turn_cost = 0.1;          ///< [m/rad]
   double curvature_cost = 0.05;    ///< of a change of curvature [m per 1/m]
-  double pivot_cost = 0.3;         ///< of starting to turn in place [m]
+  double pivot_cost = 1.0;         ///< of starting to turn in place [m]
   double pivot_turn_cost = 0.5;    ///< of turning in place [m/rad]
   double reverse_cost = 2.0;       ///< added to each metre backwards
-  double clearance_cost = 4.0;     ///< added to each metre at clearance 0, less by the square up to `comfort`
+  double clearance_cost = 2.0;     ///< added to each metre at clearance 0, less by the square up to `comfort`
   double comfort = 0.3;            ///< clearance beyond the footprint from which on more is not better [m]
+  double eagerness = 2.0;          ///< weight of the heuristic; 1: least cost, more: sooner found
 };
 
 /// Throws std::invalid_argument, naming the field, the bound and the unit.
