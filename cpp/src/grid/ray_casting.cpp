@@ -27,7 +27,7 @@ RayCaster::RayCaster(const OccupancyGrid& grid, double range_max)
   require_positive("range_max", range_max, "m");
 }
 
-float RayCaster::cast(const Pose2& T_map_laser, double angle) const {
+float RayCaster::cast_one(const Pose2& T_map_laser, double angle) const {
   const double x = (T_map_laser.x - geometry_.origin_x) / geometry_.resolution;
   const double y = (T_map_laser.y - geometry_.origin_y) / geometry_.resolution;
   Cell cell{static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))};
@@ -46,10 +46,8 @@ float RayCaster::cast(const Pose2& T_map_laser, double angle) const {
   return std::numeric_limits<float>::infinity();
 }
 
-void RayCaster::cast(const Pose2& T_map_laser, double angle_min, double angle_increment,
-                     std::span<float> ranges) const {
-  for (std::size_t beam = 0; beam < ranges.size(); ++beam)
-    ranges[beam] = cast(T_map_laser, angle_min + static_cast<double>(beam) * angle_increment);
+void RayCaster::cast(const Pose2& T_map_laser, std::span<const double> angles, std::span<float> ranges) const {
+  for (std::size_t beam = 0; beam < ranges.size(); ++beam) ranges[beam] = cast_one(T_map_laser, angles[beam]);
 }
 
 }  // namespace lfdcore

@@ -12,14 +12,13 @@ class RayCaster {
   /// Throws std::invalid_argument unless range_max [m] is positive and finite.
   RayCaster(const OccupancyGrid& grid, double range_max);
 
-  /// Distance [m] from the laser to the first occupied cell along `angle` [rad, laser frame]; infinity if there is none
-  /// within range_max; 0 from inside an occupied cell.
-  float cast(const Pose2& T_map_laser, double angle) const;
-
-  /// The same for ranges.size() beams from angle_min on [rad].
-  void cast(const Pose2& T_map_laser, double angle_min, double angle_increment, std::span<float> ranges) const;
+  /// For each angle [rad], in the laser's frame, the distance [m] to the first occupied cell; 0 from inside one;
+  /// infinity if there is none within range_max or before the map's end.
+  void cast(const Pose2& T_map_laser, std::span<const double> angles, std::span<float> ranges) const;
 
  private:
+  float cast_one(const Pose2& T_map_laser, double angle) const;
+
   GridGeometry geometry_;
   Mask occupied_;
   double range_max_;
