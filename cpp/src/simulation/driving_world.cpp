@@ -17,6 +17,12 @@ const LidarConfig& checked(const LidarConfig& lidar) {
   return lidar;
 }
 
+std::vector<double> beam_angles(const LidarConfig& lidar) {
+  std::vector<double> angles(lidar.beams);
+  for (int beam = 0; beam < lidar.beams; ++beam) angles[beam] = lidar.angle_min() + beam * lidar.angle_increment();
+  return angles;
+}
+
 void require_sane(const Pose2& pose) {
   require_between("pose.x", pose.x, -1e6, 1e6, "m");
   require_between("pose.y", pose.y, -1e6, 1e6, "m");
@@ -42,7 +48,8 @@ DrivingWorld::DrivingWorld(const OccupancyGrid& grid, const ChairConfig& chair, 
       lidar_(checked(lidar)),
       seed_(seed),
       map_(grid, unknown_is_solid),
-      rays_(map_.grid(), lidar.range_max) {}
+      rays_(map_.grid(), lidar.range_max),
+      angles_(beam_angles(lidar)) {}
 
 void DrivingWorld::reset(const Pose2& pose) {
   require_sane(pose);
@@ -127,7 +134,7 @@ void DrivingWorld::scan(LaserScan& scan) const {
   require(placed_, "the world has no start pose yet: call reset(pose) before scan");
   require(scan.ranges.size() == static_cast<std::size_t>(lidar_.beams),
           "scan has another number of beams than the LIDAR");
-  rays_.cast(state_.pose * lidar_.T_base_laser, scan.angle_min, scan.angle_increment, scan.ranges);
+  rays_.cast(state_.pose * lidar_.T_base_laser, angles_, scan.ranges);
   add_range_noise(lidar_, seed_, steps_, scan.ranges);
 }
 

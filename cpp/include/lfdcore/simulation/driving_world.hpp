@@ -76,6 +76,7 @@ class DrivingWorld {
   std::uint64_t seed_;
   SolidMap map_;
   RayCaster rays_;
+  std::vector<double> angles_;  // of the beams [rad]
   ChairState state_;
   bool placed_ = false;
   std::uint64_t steps_ = 0;
