@@ -79,18 +79,20 @@ class ExpertConfig(DriverConfig):
 class AbleConfig(DriverConfig):
     """Calibrated on the figure-8 against Table A.1."""
 
-    look_ahead: float = 0.55
+    look_ahead: float = 0.9
     speed: float = 0.46  # Table A.1: mean forward joystick signal
     delay: float = 0.4
     noise_sd: float = 0.10
     noise_correlation: float = 0.85
-    slowest: float = 0.5
+    slowest: float = 0.4
+    notice_time: float = 1.0  # how far ahead it sees that its movement will hit [s]
 
 
 @dataclass(frozen=True)
 class ImpairedConfig(DriverConfig):
     """A driver who can only point roughly: five orientations, held between decisions."""
 
+    slowest: float = 0.6
     noise_sd: float = math.radians(10)
     decision_time: float = 0.3  # between decisions [s]
     notice_probability: float = 0.4  # of seeing, at a decision, that its movement will hit
@@ -209,9 +211,13 @@ class Driver(ABC):
         return near and self._tracker.remaining <= self.config.stop_within
 
     def _target(self, seen: Pose2) -> tuple[float, float]:
-        """Bearing [rad] and distance [m] of the farthest point of the route in view within the look-ahead."""
+        """Bearing [rad] and distance [m] of the farthest point of the route in view within the look-ahead.
+
+        Where the driver slows down, it looks less far ahead by the same share.
+        """
+        reach = self.config.look_ahead * self._caution(seen)
         for share in (1.0, 0.75, 0.5, 0.25):
-            point = self._tracker.point(share * self.config.look_ahead)
+            point = self._tracker.point(share * reach)
             if self._sense.sees(seen.x, seen.y, point):
                 break
         dx, dy = float(point[0]) - seen.x, float(point[1]) - seen.y
@@ -310,7 +316,20 @@ class AbleDriver(Driver):
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
         forward, left = (-0.5, 0.0) if reversing else self._pursuit(seen, self._magnitude(seen))
         stick = _stick(forward, left + noise[0])
+        if not reversing and self._hits(seen, stick):
+            stick = self._away_from_the_hit(seen, stick)
         return DriverInput(stick, stick.copy())
+
+    def _hits(self, seen: Pose2, stick: FloatArray) -> bool:
+        return math.isfinite(self._sense.time_to_hit(seen, self._twist(stick), self.config.notice_time))
+
+    def _away_from_the_hit(self, seen: Pose2, stick: FloatArray) -> FloatArray:
+        """Half the speed and the least turn that avoids the hit; slower still where none does."""
+        for turn in (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6):
+            option = _stick(stick[0] / 2, stick[1] + turn)
+            if not self._hits(seen, option):
+                return option
+        return stick * 0.3
 
 
 class ExpertDriver(Driver):
