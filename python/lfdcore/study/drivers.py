@@ -47,6 +47,8 @@ class DriverConfig:
     reverse_time: float = 1.2  # after a hit or a stall [s], and as much again each further time in a row, up to 3 x
     stall_time: float = 3.0  # no progress for so long [s] is a stall
     stall_distance: float = 0.10  # what counts as progress [m], or as much in [rad]
+    free_clearance: float = 1.2  # from the nose to the nearest thing [m]: full speed from here on
+    slowest: float = 1.0  # share of the speed left with half a chair's width around the nose; 1: never slows
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -64,13 +66,12 @@ class DriverConfig:
 class ExpertConfig(DriverConfig):
     """A smooth demonstrator who slows down where it is tight."""
 
-    look_ahead: float = 0.5
+    look_ahead: float = 0.4
     speed: float = 0.8
     delay: float = 0.1
     noise_sd: float = 0.03
     noise_correlation: float = 0.9
-    free_clearance: float = 1.2  # from the nose to the nearest thing [m]: full speed from here on
-    slowest: float = 0.35  # share of the speed left at half a chair's width
+    slowest: float = 0.35
     stick_rate: float = 2.0  # how fast the stick moves [1/s]
 
 
@@ -78,17 +79,20 @@ class ExpertConfig(DriverConfig):
 class AbleConfig(DriverConfig):
     """Calibrated on the figure-8 against Table A.1."""
 
-    look_ahead: float = 0.55
+    look_ahead: float = 0.9
     speed: float = 0.46  # Table A.1: mean forward joystick signal
     delay: float = 0.4
     noise_sd: float = 0.10
     noise_correlation: float = 0.85
+    slowest: float = 0.4
+    notice_time: float = 1.0  # how far ahead it sees that its movement will hit [s]
 
 
 @dataclass(frozen=True)
 class ImpairedConfig(DriverConfig):
     """A driver who can only point roughly: five orientations, held between decisions."""
 
+    slowest: float = 0.6
     noise_sd: float = math.radians(10)
     decision_time: float = 0.3  # between decisions [s]
     notice_probability: float = 0.4  # of seeing, at a decision, that its movement will hit
@@ -147,6 +151,7 @@ class Driver(ABC):
         self._limits = limits or MotionLimits()
         self._footprint = footprint or Footprint()
         self._sense = MapSense(course.grid, self._footprint)
+        self._clearance = clearance_field(course.grid)
         self._tracker = RouteTracker(course)
         self.reset(0)
 
@@ -206,19 +211,33 @@ class Driver(ABC):
         return near and self._tracker.remaining <= self.config.stop_within
 
     def _target(self, seen: Pose2) -> tuple[float, float]:
-        """Bearing [rad] and distance [m] of the farthest point of the route in view within the look-ahead."""
+        """Bearing [rad] and distance [m] of the farthest point of the route in view within the look-ahead.
+
+        Where the driver slows down, it looks less far ahead by the same share.
+        """
+        reach = self.config.look_ahead * self._caution(seen)
         for share in (1.0, 0.75, 0.5, 0.25):
-            point = self._tracker.point(share * self.config.look_ahead)
+            point = self._tracker.point(share * reach)
             if self._sense.sees(seen.x, seen.y, point):
                 break
         dx, dy = float(point[0]) - seen.x, float(point[1]) - seen.y
         return float(wrap_angle(math.atan2(dy, dx) - seen.yaw)), math.hypot(dx, dy)
 
-    def _approach_speed(self) -> float:
-        """The stick's magnitude: less before the end of a route that has one, where the driver has to stop."""
-        if self.course.loop:
-            return self.config.speed
-        return min(self.config.speed, max(0.15, self._tracker.remaining / 1.5))
+    def _magnitude(self, seen: Pose2) -> float:
+        """The stick's magnitude: less where it is tight, and before the end of a route, where the driver has to stop."""
+        speed = self.config.speed * self._caution(seen)
+        return speed if self.course.loop else min(speed, max(0.15, self._tracker.remaining / 1.5))
+
+    def _caution(self, seen: Pose2) -> float:
+        """Share of the speed that the room around the nose leaves."""
+        c = self.config
+        if c.slowest == 1.0:
+            return 1.0
+        nose = seen * Pose2(self._footprint.front, 0.0, 0.0)
+        at = (np.array([nose.x, nose.y]) - np.array(self.course.grid.origin)) / self.course.grid.resolution - 0.5
+        room = float(map_coordinates(self._clearance, [[at[1]], [at[0]]], order=1, mode="nearest")[0])
+        half = self._footprint.half_width
+        return c.slowest + (1 - c.slowest) * float(np.clip((room - half) / (c.free_clearance - half), 0.0, 1.0))
 
     def _pursuit(self, seen: Pose2, speed: float) -> tuple[float, float]:
         """forward and left that follow the route at a stick magnitude: pure pursuit (E.1), turning where it is behind.
@@ -295,9 +314,22 @@ class AbleDriver(Driver):
         super().__init__(course, config or AbleConfig(), limits, footprint)
 
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
-        forward, left = (-0.5, 0.0) if reversing else self._pursuit(seen, self._approach_speed())
+        forward, left = (-0.5, 0.0) if reversing else self._pursuit(seen, self._magnitude(seen))
         stick = _stick(forward, left + noise[0])
+        if not reversing and self._hits(seen, stick):
+            stick = self._away_from_the_hit(seen, stick)
         return DriverInput(stick, stick.copy())
+
+    def _hits(self, seen: Pose2, stick: FloatArray) -> bool:
+        return math.isfinite(self._sense.time_to_hit(seen, self._twist(stick), self.config.notice_time))
+
+    def _away_from_the_hit(self, seen: Pose2, stick: FloatArray) -> FloatArray:
+        """Half the speed and the least turn that avoids the hit; slower still where none does."""
+        for turn in (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6):
+            option = _stick(stick[0] / 2, stick[1] + turn)
+            if not self._hits(seen, option):
+                return option
+        return stick * 0.3
 
 
 class ExpertDriver(Driver):
@@ -313,7 +345,6 @@ class ExpertDriver(Driver):
         footprint: Footprint | None = None,
     ) -> None:
         super().__init__(course, config or ExpertConfig(), limits, footprint)
-        self._clearance = clearance_field(course.grid)
 
     def reset(self, seed: int) -> None:
         super().reset(seed)
@@ -323,18 +354,9 @@ class ExpertDriver(Driver):
         if reversing:
             forward, left = -0.4, 0.0
         else:
-            forward, left = self._pursuit(seen, self._approach_speed() * self._caution(seen))
+            forward, left = self._pursuit(seen, self._magnitude(seen))
         stick = self._moved_smoothly(stamp, _stick(forward, left + noise[0]))
         return DriverInput(stick, stick.copy())
-
-    def _caution(self, seen: Pose2) -> float:
-        """Share of the speed that the room around the nose leaves."""
-        c = self.config
-        nose = (seen * Pose2(self._footprint.front, 0.0, 0.0)).x, (seen * Pose2(self._footprint.front, 0.0, 0.0)).y
-        at = (np.array(nose) - np.array(self.course.grid.origin)) / self.course.grid.resolution - 0.5
-        room = float(map_coordinates(self._clearance, [[at[1]], [at[0]]], order=1, mode="nearest")[0])
-        half = self._footprint.half_width
-        return c.slowest + (1 - c.slowest) * float(np.clip((room - half) / (c.free_clearance - half), 0.0, 1.0))
 
     def _moved_smoothly(self, stamp: float, wanted: FloatArray) -> FloatArray:
         before, last = self._last or (stamp - 0.1, np.zeros(2))
@@ -374,7 +396,7 @@ class ImpairedDriver(Driver):
         return self._noise.next(), float(self._noticing.random())
 
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
-        speed = self._approach_speed()
+        speed = self._magnitude(seen)
         if stamp >= self._next_decision - 1e-9 or reversing != self._was_reversing:
             self._next_decision = stamp + self.config.decision_time
             self._meant, self._given = self._decide(seen, noise, speed, reversing)

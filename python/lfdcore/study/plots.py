@@ -60,8 +60,12 @@ def draw_run(axes: Axes, trace: DriveTrace) -> None:
     draw_footprints(axes, every(trace.pose, 0.7), trace.footprint)
     for k, plan in enumerate(trace.plans[:: max(1, len(trace.plans) // 150)]):
         half = max(2, len(plan.path) // 2)
-        axes.plot(*plan.path[:half].T, color=DISCARDED, lw=0.5, alpha=0.7, zorder=2, label="paths (first half)" * (k == 0))
-    axes.plot(trace.pose[:, 0], trace.pose[:, 1], color=FOLLOWED if trace.plans else GIVEN, lw=1.3, zorder=3, label="way")
+        axes.plot(
+            *plan.path[:half].T, color=DISCARDED, lw=0.5, alpha=0.7, zorder=2, label="paths (first half)" * (k == 0)
+        )
+    axes.plot(
+        trace.pose[:, 0], trace.pose[:, 1], color=FOLLOWED if trace.plans else GIVEN, lw=1.3, zorder=3, label="way"
+    )
     hits = trace.pose[trace.collision]
     if len(hits):
         axes.plot(hits[:, 0], hits[:, 1], "x", color=CONTACT, ms=8, mew=2, zorder=4, label="contact begins")

@@ -16,29 +16,37 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class RouteTracker:
-    """Progress along a route by the nearest point ahead: it never goes back, so a driver pushed aside returns."""
+    """Where along a route a driver is: the nearest point near where it was, so a driver pushed aside returns.
 
-    def __init__(self, course: Course, window: float = 2.0) -> None:
+    The search looks `window` [m] ahead and, since a chair that has reversed lines up again, `behind` [m] back.
+    """
+
+    def __init__(self, course: Course, window: float = 2.0, behind: float = 1.0) -> None:
         self._route = course.route
         self._arc = np.asarray(arc_length(course.route))
         self._loop = course.loop
-        self._window = window
-        self._at = 0
+        self._window, self._behind = window, behind
+        self.reset()
 
     def reset(self) -> None:
         """Back to the route's start."""
         self._at = 0
+        self._farthest = 0
 
     def advance(self, x: float, y: float) -> None:
-        """Takes the point nearest to (x, y) [m] among the next `window` metres."""
-        last = int(np.searchsorted(self._arc, self._arc[self._at] + self._window, side="right"))
-        ahead = self._route[self._at : last]
-        self._at += int(np.argmin(np.hypot(ahead[:, 0] - x, ahead[:, 1] - y)))
+        """Takes the point nearest to (x, y) [m] within the window; of equals the one ahead."""
+        here = self._arc[self._at]
+        first, last = np.searchsorted(self._arc, [here - self._behind, here + self._window])
+        near = self._route[first : last + 1]
+        away = np.hypot(near[:, 0] - x, near[:, 1] - y)
+        away[: self._at - first] += 1e-6
+        self._at = int(first + np.argmin(away))
+        self._farthest = max(self._farthest, self._at)
 
     @property
     def travelled(self) -> float:
-        """Arc length [m] of the point last taken."""
-        return float(self._arc[self._at])
+        """Arc length [m] of the farthest point taken so far."""
+        return float(self._arc[self._farthest])
 
     @property
     def length(self) -> float:
@@ -47,12 +55,12 @@ class RouteTracker:
 
     @property
     def remaining(self) -> float:
-        """Arc length [m] from the point last taken to the end."""
+        """Arc length [m] from the farthest point taken to the end."""
         return self.length - self.travelled
 
     def point(self, ahead: float) -> FloatArray:
-        """The route's point (2,) `ahead` [m] of the one last taken; of a loop it goes on into the next lap."""
-        at = self.travelled + ahead
+        """The route's point (2,) `ahead` [m] of the one taken last; of a loop it goes on into the next lap."""
+        at = float(self._arc[self._at]) + ahead
         at = at % self.length if self._loop else min(at, self.length)
         return np.array([np.interp(at, self._arc, self._route[:, 0]), np.interp(at, self._arc, self._route[:, 1])])
 

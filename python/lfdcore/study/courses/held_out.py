@@ -42,7 +42,7 @@ def _furnish_standard(d: Drawing) -> None:
     d.boxes((16.4, 35.0, 18.6, 35.9), (20.0, 30.2, 20.9, 32.0), (13.1, 35.8, 14.6, 36.9))  # the table and shelves
     d.boxes((8.8, 30.1, 10.2, 31.4), (9.0, 35.6, 11.4, 36.9))  # store
     d.discs(0.3, *((3.0, y) for y in _SLALOM))
-    d.boxes((9.0, 0.1, 10.4, 2.6), (11.6, 3.6, 12.8, 5.9))  # lower room
+    d.boxes((8.6, 0.1, 10.0, 2.4), (11.0, 4.0, 12.2, 5.9))  # lower room
     d.disc(4.8, 5.6, 0.4)
 
 

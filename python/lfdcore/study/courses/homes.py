@@ -29,10 +29,10 @@ def _furnished_home() -> Drawing:
     d.door(5.5, 8.0, "x", 1.0)  # 1 living room - kitchen
     d.door(10.0, 7.6, "x", 1.1)  # 2 kitchen - dining room
     d.door(12.2, 6.1, "y", 1.2)  # 3 dining room - corridor
-    d.door(7.0, 3.9, "y", 1.1)  # 4 corridor - second bedroom
+    d.door(7.0, 3.9, "y", 1.2)  # 4 corridor - second bedroom
     d.door(10.0, 2.0, "x", 0.9)  # 5 second bedroom - bathroom
     d.door(12.3, 3.9, "y", 1.1)  # 6 bathroom - corridor
-    d.door(14.5, 5.0, "x", 1.1)  # 7 corridor - bedroom
+    d.door(14.5, 5.0, "x", 1.2)  # 7 corridor - bedroom
     d.door(17.2, 3.9, "y", 0.9)  # 8 bedroom - study
     d.door(14.5, 1.9, "x", 0.9)  # 9 study - bathroom
     d.boxes((0.1, 2.6, 1.0, 4.8), (2.4, 3.0, 3.0, 4.2), (0.1, 6.4, 0.5, 7.8), (1.6, 9.4, 3.6, 9.9))  # living room
