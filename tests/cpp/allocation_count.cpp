@@ -8,6 +8,7 @@ std::atomic<long> calls{0};
 }
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#define LFDCORE_COUNTS true
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* malloc(std::size_t size) {
@@ -15,9 +16,13 @@ void* malloc(std::size_t size) {
   return __libc_malloc(size);
 }
 }
+#else
+#define LFDCORE_COUNTS false
 #endif
 
 namespace lfdcore::test {
+
+const bool counts_allocations = LFDCORE_COUNTS;
 
 long allocation_count() { return calls.load(std::memory_order_relaxed); }
 

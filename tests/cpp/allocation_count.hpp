@@ -3,7 +3,10 @@
 
 namespace lfdcore::test {
 
-/// Calls of malloc so far, Eigen's and operator new's among them; always 0 under a sanitizer, which owns malloc.
+/// False where malloc belongs to a sanitizer or is not glibc's.
+extern const bool counts_allocations;
+
+/// Calls of malloc so far, Eigen's and operator new's among them; 0 where nothing counts.
 long allocation_count();
 
 }  // namespace lfdcore::test

@@ -8,6 +8,8 @@
 namespace lfdcore {
 namespace {
 
+constexpr Eigen::Index max_cells = Eigen::Index{1} << 28;
+
 std::string shape_text(Eigen::Index rows, Eigen::Index cols) {
   return std::to_string(rows) + " x " + std::to_string(cols);
 }
@@ -18,6 +20,7 @@ GridMdp::GridMdp(FloatGrid reward_of_cells, Mask blocked_cells)
     : reward(std::move(reward_of_cells)), blocked(std::move(blocked_cells)) {
   const std::string shape = shape_text(reward.rows(), reward.cols());
   require(reward.size() > 0, "reward is " + shape + ", must have at least 1 x 1 cells (height x width)");
+  require(reward.size() <= max_cells, "reward is " + shape + ", must have at most 2^28 cells");
   require(blocked.rows() == reward.rows() && blocked.cols() == reward.cols(),
           "blocked is " + shape_text(blocked.rows(), blocked.cols()) + ", must be " + shape +
               " (height x width) as reward is");

@@ -64,7 +64,8 @@ TEST(DppSolver, equals_the_printed_recursion) {
     const double scale = slow.abs().maxCoeff();
     for (int i = 0; i < slow.rows(); ++i) {
       for (int a = 0; a < action_count; ++a) {
-        if (mdp.available({i % width, i / width}, a)) EXPECT_NEAR(fast(i, a), slow(i, a), 1e-10 * scale);
+        if (!mdp.available({i % width, i / width}, a)) continue;
+        EXPECT_NEAR(fast(i, a), slow(i, a), 1e-10 * scale);
       }
     }
   }
@@ -86,7 +87,8 @@ TEST(DppSweep, gives_the_same_on_every_instruction_set_of_this_cpu) {
   for (detail::Sweep* sweep : sweeps) {
     sweep(grid, y.data(), 0.99, 7, found.data());
     for (std::size_t i = 0; i < y.size(); ++i) {
-      if (reward[i] > detail::blocked_below) EXPECT_NEAR(found[i], wanted[i], 1e-9) << i;
+      if (reward[i] < detail::blocked_below) continue;
+      EXPECT_NEAR(found[i], wanted[i], 1e-9) << i;
     }
   }
 }
@@ -100,9 +102,7 @@ TEST(DppSolver, does_not_allocate_on_the_second_grid_of_a_size) {
   const long before = test::allocation_count();
   solver.solve(second, result);
   EXPECT_EQ(test::allocation_count(), before);
-#ifndef __SANITIZE_ADDRESS__
-  EXPECT_GT(before, at_start) << "the counter does not count";
-#endif
+  if (test::counts_allocations) EXPECT_GT(before, at_start);
 }
 
 TEST(GridMdp, moves_out_of_the_grid_stay) {

@@ -17,7 +17,7 @@ struct GridMdp {
   Mask blocked;      ///< (height, width): cells that no move enters
 
   GridMdp() = default;
-  /// Throws std::invalid_argument for an empty grid, shapes that differ or a reward that is not finite.
+  /// Throws std::invalid_argument for no cells or more than 2^28, shapes that differ or a reward that is not finite.
   GridMdp(FloatGrid reward_of_cells, Mask blocked_cells);
   /// Nothing blocked: obstacles are soft, only their rewards keep a plan away from them (ERRATA 20).
   explicit GridMdp(FloatGrid reward_of_cells);
