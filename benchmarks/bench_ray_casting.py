@@ -21,7 +21,7 @@ RESOLUTION, RANGE_MAX, POSES, REPEATS = 0.05, 30.0, 50, 15
 
 
 @numba.njit(cache=False)
-def numba_dda(  # noqa: PLR0917
+def numba_dda(
     occupied: Mask, x: float, y: float, yaw: float, angles: npt.NDArray[np.float64], resolution: float, range_max: float
 ) -> Ranges:
     """Amanatides & Woo from cell to cell."""
@@ -100,7 +100,8 @@ def compare(name: str, occupied: Mask, beams: int, field_of_view: float) -> None
     mine, theirs = (statistics.median(column) for column in zip(*times, strict=True))
     print(
         f"{name}: {occupied.shape[1]} x {occupied.shape[0]} cells, {beams} beams, threads=1: "
-        f"RayCaster {mine * 1e6:.1f} us, numba DDA {theirs * 1e6:.1f} us, ratio {theirs / mine:.2f}; {(~agree).sum()} of {agree.size} ranges differ"
+        f"RayCaster {mine * 1e6:.1f} us, numba DDA {theirs * 1e6:.1f} us, ratio {theirs / mine:.2f}; "
+        f"{(~agree).sum()} of {agree.size} ranges differ"
     )
 
 
