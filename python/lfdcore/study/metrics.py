@@ -108,7 +108,7 @@ def stuck_time(trace: DriveTrace, reach: float = 0.1, window: float = 10.0) -> f
     begins = np.flatnonzero((moved < reach) & (asks > 0.5))
     stuck = np.zeros(len(trace.stamp), bool)
     for i in begins:
-        stuck[i : i + size] = True
+        stuck[i : i + size + 1] = True
     return float(stuck.mean())
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from lfdcore.datasets.drive_log import DriveLogWriter
 from lfdcore.geometry import Pose2
-from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
+from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
 from lfdcore.study.courses import Course
 from lfdcore.study.drivers import Driver
 from lfdcore.study.trace import DriveTrace, Plan
@@ -49,17 +49,18 @@ class _Recorder:
         self.rows: dict[str, list[Any]] = {}
         self.plans: list[Plan] = []
 
-    def add(self, stamp: float, world: DrivingWorld, entry: dict[str, Any], assistance: Assistance) -> None:
+    def add(self, stamp: float, state: ChairState, entry: dict[str, Any], assistance: Assistance) -> None:
         row = {
             "stamp": stamp,
-            "pose": tuple(world.pose),
-            "twist": tuple(world.twist),
+            "pose": tuple(state.pose),
+            "twist": tuple(state.twist),
+            "in_contact": state.in_contact,
             "command": tuple(assistance.command),
             "mode": assistance.mode,
             "supervised": assistance.supervised,
             "compliance": assistance.compliance if assistance.path is not None else np.nan,
             "goal": self._in_map(assistance.goal),
-            "control_point": self._ahead(world.pose, assistance.control_point),
+            "control_point": self._ahead(state.pose, assistance.control_point),
             **entry,
         }
         for name, value in row.items():
@@ -131,7 +132,8 @@ def run_drive(
         while outcome is None:
             stamp = tick * config.period
             scan = world.scan()
-            given = driver.act(stamp, world.pose, world.twist, world.in_contact)
+            state = world.state
+            given = driver.act(stamp, state.pose, state.twist, state.in_contact)
             joystick = (
                 float(np.float32(given.joystick[0])),
                 float(np.float32(given.joystick[1])),
@@ -140,8 +142,8 @@ def run_drive(
             assistance = assistant.update(observation)
             if log is not None:
                 _write(log, observation, assistance, given.desired)
-            entry = {"joystick": joystick, "desired": tuple(given.desired), "in_contact": world.in_contact}
-            recorder.add(stamp, world, entry | {"collision": collision}, assistance)
+            entry = {"joystick": joystick, "desired": tuple(given.desired), "collision": collision}
+            recorder.add(stamp, state, entry, assistance)
             collision = world.step(assistance.command, config.period).collision_started
             outcome = progress.outcome(stamp, driver)
             tick += 1

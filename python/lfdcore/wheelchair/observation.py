@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChairGeometry:
+    """The chair as an assistant knows it."""
+
+    footprint: Footprint = field(default_factory=Footprint)
+    limits: MotionLimits = field(default_factory=MotionLimits)
+    T_base_laser: Pose2 = field(default_factory=lambda: Pose2(0.70, 0.0, 0.0))
 
 
 @dataclass(frozen=True)

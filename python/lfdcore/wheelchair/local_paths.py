@@ -1,0 +1,311 @@
+"""Local paths from demonstrations (Sec. 3.2): what the driver did next, seen from every scan of a drive log.
+
+The thesis names several termination criteria without listing them (Fig. 3.7); these are ours. A path starts at
+base_link at the instant of a scan and ends at the first of:
+
+- `window`: it leaves the front portion of the 5 x 5 m window (x = 2.5 m or |y| = 2.5 m); the end lies on the border;
+- `hidden`: the next point lies farther from the laser than the beam that covers it: the driver could see it, the scan
+  could not. Points outside the laser's field of view (beneath the chair) do not count;
+- `turn`: the chair has turned by more than 135 degrees;
+- `reverse`: it has gone back by more than 3 cm; the end lies where it turned back;
+- `behind`: it is behind the axle of the start;
+- `rest`: it stands still for more than 1 s; the end lies where it came to rest (docking);
+- `gap`: no odometry for more than 3 s; such a path has no known end and is dropped;
+- `log`: the log ends: taken as coming to rest, since a demonstration often ends on arrival;
+- `time`: 60 s have passed (creeping); dropped like a gap.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lfdcore.datasets.drive_log import DriveLog
+
+Floats = NDArray[np.float64]
+REASONS = ("window", "hidden", "turn", "reverse", "behind", "rest", "gap", "log", "time")
+_DROPPED = ("gap", "time")
+_STEP = 0.1  # [s] between the instants at which a path is looked at
+
+
+@dataclass(frozen=True)
+class LocalPathConfig:
+    """Criteria that end a local path (see the module) and what makes one worth keeping; SI units, radians."""
+
+    turn: float = np.deg2rad(135.0)
+    reverse: float = 0.03
+    behind: float = 0.02
+    """Behind the axle by more than this [m]: turning in place with noise is not."""
+    rest: float = 1.0
+    rest_speed: float = 0.02
+    """Slower than this [m/s], and turning slower than `rest_turn` [rad/s], is standing still."""
+    rest_turn: float = 0.05
+    gap: float = 3.0
+    duration: float = 60.0
+    slack: float = 0.05
+    """A point is hidden once it is this much [m], one cell, farther than its beam."""
+    shortest: float = 0.6
+    """Shorter paths [m] are dropped."""
+    dead_zone: float = 0.05
+    """A start with the stick nearer to its centre than this says nothing about what is wanted: dropped."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value >= 0):
+                raise ValueError(f"{item.name} is {value}, must be finite and not negative")
+
+
+@dataclass(frozen=True)
+class LocalPaths:
+    """N local paths. All places in base_link at the path's start.
+
+    joystick (N, 2): forward, left at the start; beam_range (N,) [m]: what the beam towards the goal measured at the
+    start, capped at the window's border; goal (N, 2) [m]: the end; end_yaw (N,) [rad]: the heading there; paths: N
+    arrays (M, 2) [m], from the origin to the goal; reason (N,): which of REASONS ended it; stamp (N,) [s]: the scan's;
+    dropped: how many starts gave no path, by cause.
+    """
+
+    joystick: Floats
+    beam_range: Floats
+    goal: Floats
+    end_yaw: Floats
+    paths: list[Floats]
+    reason: NDArray[np.str_]
+    stamp: Floats
+    dropped: dict[str, int] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.goal)
+
+    def lengths(self) -> Floats:
+        """(N,) [m]"""
+        return np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in self.paths])
+
+    def mirrored(self) -> LocalPaths:
+        """The same drives in a world with left and right exchanged (N paths). The goal's beam keeps its range."""
+        flip = np.array([1.0, -1.0])
+        return LocalPaths(
+            self.joystick * flip,
+            self.beam_range,
+            self.goal * flip,
+            -self.end_yaw,
+            [path * flip for path in self.paths],
+            self.reason,
+            self.stamp,
+        )
+
+    @staticmethod
+    def concatenate(parts: Sequence[LocalPaths]) -> LocalPaths:
+        """All paths of several logs, in order."""
+        if not parts:
+            raise ValueError("no demonstration was given: at least one drive log is needed")
+        dropped: Counter[str] = Counter()
+        for part in parts:
+            dropped.update(part.dropped)
+        return LocalPaths(
+            *(np.concatenate([getattr(p, name) for p in parts]) for name in ("joystick", "beam_range", "goal", "end_yaw")),
+            [path for part in parts for path in part.paths],
+            np.concatenate([part.reason for part in parts]),
+            np.concatenate([part.stamp for part in parts]),
+            dict(dropped),
+        )
+
+
+def inferred_joystick(log: DriveLog, stamps: Floats, window: float = 0.5) -> Floats:
+    """The stick that would have given the drive of the last `window` [s]: for logs without one -> (N, 2).
+
+    Forward and left speed over the window before each stamp, divided by the log's own limits (the 99th percentile of
+    |v| and of |w| over the stamps) and clipped to [-1, 1]. Only the past enters each speed.
+    """
+    speeds = past_speeds(log, stamps, window)
+    limits = np.maximum(np.percentile(np.abs(speeds), 99, axis=0), 1e-6) if len(speeds) else np.ones(2)
+    return np.clip(speeds / limits, -1.0, 1.0)
+
+
+def past_speeds(log: DriveLog, stamps: Floats, window: float = 0.5) -> Floats:
+    """Mean speed ahead [m/s] and turn rate [rad/s] over the `window` [s] before each stamp -> (N, 2)."""
+    if len(stamps) == 0:
+        return np.zeros((0, 2))
+    now, before = log.pose_at(stamps), log.pose_at(stamps - window)
+    turn = (now[:, 2] - before[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    middle = before[:, 2] + turn / 2
+    ahead = ((now - before)[:, :2] * np.stack([np.cos(middle), np.sin(middle)], 1)).sum(1)
+    return np.stack([ahead, turn], 1) / window
+
+
+def joystick_at_scans(log: DriveLog) -> Floats:
+    """(S, 2): the recorded stick at every scan, or the inferred one if the log has none."""
+    if len(log.joystick_stamp):
+        return np.asarray(log.joystick_at(log.scan_stamp), dtype=np.float64)
+    return inferred_joystick(log, log.scan_stamp)
+
+
+def beam_geometry(log: DriveLog) -> BeamGeometry:
+    """The log's laser. ValueError for a log whose scans have no beams."""
+    return BeamGeometry(log.ranges.shape[1], log.angle_min, log.angle_increment, log.T_base_laser)
+
+
+def extract_local_paths(log: DriveLog, config: LocalPathConfig | None = None) -> LocalPaths:
+    """Sec. 3.2: one local path from every scan of a log, where there is one.
+
+    ValueError if the log has no scan, no beam, or fewer than two odometry samples.
+    """
+    config = config or LocalPathConfig()
+    _check(log)
+    track = _Track(log, config)
+    ends, reasons = _find_ends(log, track, config)
+    return _collect(log, track, ends, reasons, config)
+
+
+def _check(log: DriveLog) -> None:
+    ranges, stamps = np.shape(log.ranges), len(log.scan_stamp)
+    if stamps == 0 or len(log.odometry_stamp) < 2:
+        raise ValueError(
+            f"log {log.name!r} has {stamps} scans and {len(log.odometry_stamp)} odometry samples; "
+            "at least 1 and 2 are needed to find a local path"
+        )
+    if len(ranges) != 2 or ranges[0] != stamps or ranges[1] == 0:
+        raise ValueError(f"log {log.name!r} has {stamps} scan stamps but ranges of shape {ranges}, must be (S, B)")
+
+
+class _Track:
+    """The whole drive at scan instants and every 0.1 s: what each path is cut from."""
+
+    def __init__(self, log: DriveLog, config: LocalPathConfig) -> None:
+        first, last = float(log.odometry_stamp[0]), float(log.odometry_stamp[-1])
+        scans = np.asarray(log.scan_stamp, dtype=np.float64)
+        covered = (scans >= first) & (scans < last)
+        self.scan = np.flatnonzero(covered & np.isfinite(scans))
+        grid = np.arange(first, last + _STEP, _STEP).clip(max=last)
+        self.stamp = np.unique(np.concatenate([grid, scans[self.scan]]))
+        pose = log.pose_at(self.stamp)
+        self.position, self.yaw = pose[:, :2], np.unwrap(pose[:, 2])
+        self.start = np.searchsorted(self.stamp, scans[self.scan])
+        step, interval = np.diff(self.position, axis=0), np.diff(self.stamp)
+        middle = (self.yaw[1:] + self.yaw[:-1]) / 2
+        ahead = (step * np.stack([np.cos(middle), np.sin(middle)], 1)).sum(1)
+        self.travel = np.r_[0.0, np.cumsum(ahead)]
+        moving = (np.hypot(*step.T) > config.rest_speed * interval) | (
+            np.abs(np.diff(self.yaw)) > config.rest_turn * interval
+        )
+        # last_moved[j]: the newest instant up to j at which the chair moved on the step before it
+        self.last_moved = np.maximum.accumulate(np.r_[0, np.where(moving, np.arange(1, len(self.stamp)), 0)])
+        self.gap = np.r_[False, _in_gap(np.asarray(log.odometry_stamp), self.stamp[1:], config.gap)]
+
+    def local(self, start: NDArray[np.intp], at: NDArray[np.intp]) -> Floats:
+        """Positions (N, 2) at instants `at`, in base_link at instants `start`."""
+        off = self.position[at] - self.position[start]
+        c, s = np.cos(self.yaw[start]), np.sin(self.yaw[start])
+        return np.stack([c * off[:, 0] + s * off[:, 1], -s * off[:, 0] + c * off[:, 1]], 1)
+
+
+def _in_gap(odometry: Floats, stamps: Floats, longest: float) -> NDArray[np.bool_]:
+    after = np.clip(np.searchsorted(odometry, stamps), 1, len(odometry) - 1)
+    return odometry[after] - odometry[after - 1] > longest
+
+
+def _find_ends(
+    log: DriveLog, track: _Track, config: LocalPathConfig
+) -> tuple[NDArray[np.intp], NDArray[np.str_]]:
+    """The last instant and the reason of every covered scan's path. All paths advance together, one instant a turn."""
+    beams = beam_geometry(log)
+    ranges = np.minimum(clean_ranges(log.ranges, log.range_min, log.range_max), log.range_max)
+    end, reason = track.start.copy(), np.full(len(track.start), "log", dtype="U8")
+    active = np.arange(len(track.start))
+    furthest = track.start.copy()  # where the path had come farthest ahead
+    while len(active):
+        at = end[active] + 1
+        over = at >= len(track.stamp)
+        active, at = active[~over], at[~over]
+        start = track.start[active]
+        local = track.local(start, at)
+        beam, distance, covered = beams.locate(local)
+        seen = ranges[track.scan[active], beam]
+        back = track.travel[furthest[active]] - track.travel[at]
+        rested = track.stamp[at] - track.stamp[np.maximum(track.last_moved[at], start)]
+        over_when = {  # the first that holds counts
+            "gap": track.gap[at],
+            "window": (local[:, 0] >= WINDOW) | (np.abs(local[:, 1]) >= WINDOW),
+            "behind": local[:, 0] < -config.behind,
+            "reverse": back > config.reverse,
+            "turn": np.abs(track.yaw[at] - track.yaw[start]) > config.turn,
+            "hidden": covered & (distance > seen + config.slack),
+            "rest": rested > config.rest,
+            "time": track.stamp[at] - track.stamp[start] > config.duration,
+        }
+        which = np.select(list(over_when.values()), np.arange(1, len(over_when) + 1), 0)
+        names = np.array(["", *over_when])
+        done = which > 0
+        reason[active[done]] = names[which[done]]
+        end[active[~done]] = at[~done]
+        end[active[done & (which == 2)]] += 1  # the border lies between this instant and the one before
+        turned_back = active[names[which] == "reverse"]
+        end[turned_back] = furthest[turned_back]
+        active, at = active[~done], at[~done]
+        ahead = track.travel[at] > track.travel[furthest[active]]
+        furthest[active[ahead]] = at[ahead]
+    rest = np.isin(reason, ["rest", "log"])
+    end[rest] = np.maximum(np.minimum(end[rest], track.last_moved[end[rest]]), track.start[rest])
+    return end, reason
+
+
+def _collect(
+    log: DriveLog, track: _Track, ends: NDArray[np.intp], reasons: NDArray[np.str_], config: LocalPathConfig
+) -> LocalPaths:
+    joystick = joystick_at_scans(log)[track.scan]
+    measured = np.isfinite(log.ranges[track.scan]).any(axis=1) | np.isposinf(log.ranges[track.scan]).any(axis=1)
+    still = ~(np.hypot(*joystick.T) >= config.dead_zone)  # NaN counts as still
+    drop = np.select(
+        [~measured, still, reasons == "gap", reasons == "time"], ["no scan", "no input", "gap", "time"], ""
+    ).astype("U9")
+    paths: list[Floats] = []
+    for i in range(len(ends)):
+        path = _cut(track, int(track.start[i]), int(ends[i]), str(reasons[i])) if drop[i] == "" else np.zeros((1, 2))
+        if drop[i] == "" and np.hypot(*np.diff(path, axis=0).T).sum() < config.shortest:
+            drop[i] = "too short"
+        paths.append(path)
+    kept = np.flatnonzero(drop == "")
+    causes = Counter(str(name) for name in drop if name)
+    causes["no odometry"] = len(log.scan_stamp) - len(track.scan)
+    goal = np.array([paths[i][-1] for i in kept]).reshape(-1, 2)
+    beams = beam_geometry(log)
+    beam = beams.locate(goal)[0]
+    ranges = clean_ranges(log.ranges[track.scan[kept]], log.range_min, log.range_max)
+    turned = track.yaw[ends[kept]] - track.yaw[track.start[kept]]
+    return LocalPaths(
+        joystick[kept],
+        np.minimum(ranges[np.arange(len(kept)), beam], beams.caps[beam]),
+        goal,
+        (turned + np.pi) % (2 * np.pi) - np.pi,
+        [paths[i] for i in kept],
+        reasons[kept],
+        track.stamp[track.start[kept]],
+        {name: count for name, count in causes.items() if count},
+    )
+
+
+def _cut(track: _Track, start: int, end: int, reason: str) -> Floats:
+    at = np.arange(start, end + 1)
+    path = track.local(np.full(len(at), start), at)
+    if reason == "window":
+        path[-1] = _on_border(path[-2], path[-1])
+    return path
+
+
+def _on_border(inside: Floats, outside: Floats) -> Floats:
+    limit = WINDOW - 1e-6  # still in the last cell
+    step = outside - inside
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = (np.where(step > 0, limit, -limit) - inside) / step
+    share = np.nanmin(np.where((step != 0) & (shares >= 0), shares, np.nan))
+    return np.clip(inside + min(share, 1.0) * step, -limit, limit)

@@ -1,0 +1,24 @@
+#include "allocation_count.hpp"
+
+#include <atomic>
+#include <cstddef>
+
+namespace {
+std::atomic<long> calls{0};
+}
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* malloc(std::size_t size) {
+  calls.fetch_add(1, std::memory_order_relaxed);
+  return __libc_malloc(size);
+}
+}
+#endif
+
+namespace lfdcore::test {
+
+long allocation_count() { return calls.load(std::memory_order_relaxed); }
+
+}  // namespace lfdcore::test
