@@ -117,5 +117,5 @@ def test_a_share_knows_the_motion_before_its_first_scan() -> None:
     assert late.scan_stamp[0] == 15
     assert late.odometry_stamp[0] == 13
     assert line_log().share(0, 1).duration == line_log().duration
-    with pytest.raises(ValueError, match="is 0.6 to 0.5"):
+    with pytest.raises(ValueError, match=r"is 0\.6 to 0\.5"):
         line_log().share(0.6, 0.5)

@@ -43,7 +43,7 @@ def test_options_reach_the_reader(tmp_path: Path) -> None:
 def test_what_is_of_no_known_format_is_told_the_known_ones(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "what"
     path.write_bytes(content)
-    with pytest.raises(DataError, match="CARMEN logs|gzip stream is cut"):
+    with pytest.raises(DataError, match=r"CARMEN logs|gzip stream is cut"):
         open_log(path)
 
 

@@ -117,7 +117,7 @@ def test_a_broken_map_is_refused_with_the_key_and_the_value(tmp_path: Path, chan
     assert "map.yaml" in str(caught.value)
 
 
-@pytest.mark.parametrize("text", ["", "a: [", "- 1\n- 2\n", "\x00", "{" * 5000])
+@pytest.mark.parametrize("text", ["", "a: [", "- 1\n- 2\n", "\x00", "{" * 1500])
 def test_a_yaml_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "map.yaml"
     path.write_text(text)

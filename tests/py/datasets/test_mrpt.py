@@ -78,24 +78,29 @@ def test_the_wheelchairs_log_holds_what_is_known_of_it(data_folder: Path) -> Non
 
 
 def misfit(log: DriveLog, pose: np.ndarray, side: int = 1) -> float:
-    """Median distance [m] between walls seen about a second apart, put together by `pose` and the mounting."""
+    """Median distance [m] between walls seen about half a second apart, put together by `pose` and the mounting."""
 
     def points(index: int) -> np.ndarray:
         near = log.ranges[index] < 8
         r, a = log.ranges[index][near], side * log.scan(index).angles()[near]
         return (Pose2(*pose[index]) * log.T_base_laser).transform(np.c_[r * np.cos(a), r * np.sin(a)])
 
-    pairs = [(points(k), points(k + 4)) for k in range(10, 210, 8)]
-    return float(np.median([np.linalg.norm(a[:, None] - b[None], axis=2).min(axis=1).mean() for a, b in pairs]))
+    pairs = [(points(k), points(k + 2)) for k in range(10, 210, 4)]
+    return float(np.median([np.median(np.linalg.norm(a[:, None] - b[None], axis=2).min(axis=1)) for a, b in pairs]))
 
 
 @pytest.mark.realdata
-def test_walls_seen_from_the_wheelchair_stay_in_place_only_under_its_odometry_and_handedness(data_folder: Path) -> None:
+def test_walls_stay_in_place_only_with_the_odometry_and_the_handedness_that_are_read(data_folder: Path) -> None:
     log = read_mrpt(data_folder / "logs" / SENA)
+    others = {
+        "standing still": misfit(log, 0 * log.pose),
+        "beams from left to right": misfit(log, log.pose, side=-1),
+        "odometry mirrored": misfit(log, log.pose * [1, -1, -1]),
+        "odometry backwards": misfit(log, log.pose * [-1, -1, 1]),
+    }
     found = misfit(log, log.pose)
-    assert found < 0.6 * misfit(log, 0 * log.pose)
-    assert found < 0.4 * misfit(log, log.pose, side=-1)
-    assert found < 0.4 * misfit(log, log.pose * [1, -1, -1])
+    assert found < 0.15
+    assert found < 0.7 * min(others.values()), others
 
 
 def test_an_actions_increments_add_up_to_poses_at_the_scans(tmp_path: Path) -> None:
@@ -163,7 +168,8 @@ def test_a_rawlog_cut_anywhere_inside_an_object_is_refused(tmp_path: Path) -> No
     data = frame(scan(1, [1, 2, 3])) + action(1, 0, 0)
     whole = len(frame(scan(1, [1, 2, 3])))
     for size in range(1, len(data)):
-        path = write(tmp_path, data[:size])
+        path = tmp_path / "drive.rawlog"
+        path.write_bytes(data[:size])
         if size == whole:
             assert len(read_mrpt(path).scan_stamp) == 1
         else:
