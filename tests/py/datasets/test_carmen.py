@@ -110,6 +110,8 @@ def test_the_mounting_and_the_range_are_taken_as_told(tmp_path: Path) -> None:
     assert log.T_base_laser == Pose2(0.3, 0, 0)
     assert log.range_max == 8.0
     assert np.isinf(log.ranges).all()
+    with pytest.raises(ValueError, match="range_max is 0 m, must be positive"):
+        read_carmen(tmp_path / "drive.log", range_max=0)
 
 
 @pytest.mark.parametrize(
