@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import map_coordinates
 
-from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, wrap_angle
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, integrate, wrap_angle
 from lfdcore.study.courses.course import Course
 from lfdcore.study.courses.routes import clearance_field
 from lfdcore.study.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
@@ -84,7 +84,7 @@ class AbleConfig(DriverConfig):
     delay: float = 0.4
     noise_sd: float = 0.10
     noise_correlation: float = 0.85
-    slowest: float = 0.4
+    slowest: float = 0.5
     notice_time: float = 1.0  # how far ahead it sees that its movement will hit [s]
 
 
@@ -182,7 +182,7 @@ class Driver(ABC):
         Raises ValueError for a stamp that does not rise or a pose or twist that is not finite.
         """
         self._check(stamp, pose, twist)
-        self._stamp = stamp
+        self._stamp, self._felt = stamp, twist
         noise = self._draw()
         seen = self._view.see(stamp, pose)
         self._tracker.advance(seen.x, seen.y)
@@ -224,7 +224,7 @@ class Driver(ABC):
         return float(wrap_angle(math.atan2(dy, dx) - seen.yaw)), math.hypot(dx, dy)
 
     def _magnitude(self, seen: Pose2) -> float:
-        """The stick's magnitude: less where it is tight, and before the end of a route, where the driver has to stop."""
+        """The stick's magnitude: less where it is tight, and before the end of a route, where the driver must stop."""
         speed = self.config.speed * self._caution(seen)
         return speed if self.course.loop else min(speed, max(0.15, self._tracker.remaining / 1.5))
 
@@ -321,7 +321,9 @@ class AbleDriver(Driver):
         return DriverInput(stick, stick.copy())
 
     def _hits(self, seen: Pose2, stick: FloatArray) -> bool:
-        return math.isfinite(self._sense.time_to_hit(seen, self._twist(stick), self.config.notice_time))
+        # what is seen late, moved on by the motion that is felt
+        now = integrate(seen, self._felt, self.config.delay)
+        return math.isfinite(self._sense.time_to_hit(now, self._twist(stick), self.config.notice_time))
 
     def _away_from_the_hit(self, seen: Pose2, stick: FloatArray) -> FloatArray:
         """Half the speed and the least turn that avoids the hit; slower still where none does."""
