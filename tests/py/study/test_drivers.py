@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from lfdcore.geometry import MotionLimits, Pose2, Twist2, approach, integrate, wrap_angle
-from lfdcore.study.courses import Course, Footprint, FootprintOnGrid, doorway_and_docking, figure_eight, flat, home
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, approach, integrate, wrap_angle
+from lfdcore.study.courses import FootprintOnGrid, doorway_and_docking, figure_eight, flat, home
 from lfdcore.study.drivers import (
     ORIENTATIONS,
     POPULATION,
@@ -175,7 +175,7 @@ def test_at_the_table_the_driver_lets_go_and_the_chair_is_docked(make: type[Driv
 def test_bad_input_is_refused_by_name(make: type[Driver]) -> None:
     driver = make(figure_eight())  # type: ignore[call-arg]
     driver.act(1.0, Pose2(5, 4, 0), Twist2(), False)
-    with pytest.raises(ValueError, match="stamp must be finite and later than 1.0 s, got 1.0 s"):
+    with pytest.raises(ValueError, match=r"stamp must be finite and later than 1.0 s, got 1.0 s"):
         driver.act(1.0, Pose2(5, 4, 0), Twist2(), False)
     with pytest.raises(ValueError, match="stamp"):
         driver.act(float("nan"), Pose2(5, 4, 0), Twist2(), False)
@@ -188,9 +188,9 @@ def test_bad_input_is_refused_by_name(make: type[Driver]) -> None:
 def test_configs_refuse_values_out_of_range() -> None:
     with pytest.raises(ValueError, match=r"speed must be at most 1, got 1.5"):
         AbleConfig(speed=1.5)
-    with pytest.raises(ValueError, match="delay must be finite and >= 0, got -0.1"):
+    with pytest.raises(ValueError, match=r"delay must be finite and >= 0, got -0.1"):
         ImpairedConfig(delay=-0.1)
-    with pytest.raises(ValueError, match="look_ahead must be at least 0.1 m"):
+    with pytest.raises(ValueError, match=r"look_ahead must be at least 0.1 m"):
         ImpairedConfig(look_ahead=0.0)
     with pytest.raises(ValueError, match="notice_probability must be at most 1"):
         ImpairedConfig(notice_probability=2.0)
@@ -213,8 +213,3 @@ def test_the_able_driver_matches_table_a1_except_the_jerk() -> None:
         assert table[metric].ours[0] == pytest.approx(TABLE_A1[metric][0][0], abs=tolerance)
     assert table["time"].ours[0] == pytest.approx(42, abs=4)
     assert "ours (n = 6)" in format_table(list(table.values()))
-
-
-def test_no_driver_needs_more_than_the_course_to_be_made() -> None:
-    course: Course = figure_eight()
-    assert [make(course).progress for make in DRIVERS] == [0.0, 0.0, 0.0]  # type: ignore[call-arg]
