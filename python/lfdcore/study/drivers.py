@@ -372,7 +372,8 @@ class ExpertDriver(Driver):
 class ImpairedDriver(Driver):
     """Points roughly: the stick snaps to five orientations and is held between decisions.
 
-    joystick: an orientation of ORIENTATIONS times the magnitude. desired: the direction meant, before snapping.
+    joystick: an orientation of ORIENTATIONS times the magnitude. desired: the direction meant now, before snapping and
+    holding; while the driver reverses or gives way it means the orientation that it gives.
     """
 
     config: ImpairedConfig
@@ -392,30 +393,30 @@ class ImpairedDriver(Driver):
         self._next_decision = -math.inf
         self._was_reversing = False
         self._given = 0.0
-        self._meant = 0.0
+        self._giving_way = False
 
     def _draw(self) -> tuple[float, float]:
         return self._noise.next(), float(self._noticing.random())
 
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
-        speed = self._magnitude(seen)
+        speed, (bearing, distance) = self._magnitude(seen), self._target(seen)
+        meant = float(wrap_angle(self._angle(bearing, distance) + noise[0]))
         if stamp >= self._next_decision - 1e-9 or reversing != self._was_reversing:
             self._next_decision = stamp + self.config.decision_time
-            self._meant, self._given = self._decide(seen, noise, speed, reversing)
+            self._given, self._giving_way = self._decide(seen, speed, bearing, meant, noise[1], reversing)
         self._was_reversing = reversing
-        return DriverInput(_pointing(self._given, speed), _pointing(self._meant, speed))
+        return DriverInput(_pointing(self._given, speed), _pointing(self._given if self._giving_way else meant, speed))
 
-    def _decide(self, seen: Pose2, noise: tuple[float, float], speed: float, reversing: bool) -> tuple[float, float]:
-        """The angle meant and the orientation given [rad]."""
-        bearing, distance = self._target(seen)
+    def _decide(
+        self, seen: Pose2, speed: float, bearing: float, meant: float, attention: float, reversing: bool
+    ) -> tuple[float, bool]:
+        """The orientation [rad] to hold, and whether it gives way to an obstacle, i.e. is itself what is meant."""
         if reversing:
-            back = self._way_back(seen, speed, bearing)
-            return back, back
-        meant = float(wrap_angle(self._angle(bearing, distance) + noise[0]))
+            return self._way_back(seen, speed, bearing), True
         given = self._snap(meant, abs(bearing) > self.config.facing_away)
-        if noise[1] < self.config.notice_probability and self._hits(seen, given, speed):
-            given = meant = self._nearest_free(seen, meant, speed, given)
-        return meant, given
+        if attention < self.config.notice_probability and self._hits(seen, given, speed):
+            return self._nearest_free(seen, meant, speed, given), True
+        return given, False
 
     def _angle(self, bearing: float, distance: float) -> float:
         """The stick's angle that pure pursuit (E.1) asks for; a target behind: straight to it."""

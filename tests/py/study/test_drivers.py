@@ -83,13 +83,14 @@ def test_the_orientations_are_evenly_spaced() -> None:
     assert gaps == pytest.approx(math.radians(72))
 
 
-def test_the_impaired_driver_decides_every_three_ticks() -> None:
+def test_the_impaired_stick_is_held_for_three_ticks_while_what_is_meant_moves_on() -> None:
     course = figure_eight()
-    driver = ImpairedDriver(course)
+    driver = ImpairedDriver(course, ImpairedConfig(noise_sd=1.0))
     driver.reset(0)
-    meant = [driver.act(k * 0.1, course.start, Twist2(), False).desired for k in range(25)]
-    changed = [k for k in range(1, 25) if not np.array_equal(meant[k], meant[k - 1])]
-    assert changed and all(k % 3 == 0 for k in changed)
+    inputs = [driver.act(k * 0.1, course.start, Twist2(), False) for k in range(25)]
+    given = [k for k in range(1, 25) if not np.array_equal(inputs[k].joystick, inputs[k - 1].joystick)]
+    assert given and all(k % 3 == 0 for k in given)
+    assert all(not np.array_equal(inputs[k].desired, inputs[k - 1].desired) for k in range(1, 25))
 
 
 @pytest.mark.parametrize("make", DRIVERS)
