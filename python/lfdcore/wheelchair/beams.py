@@ -59,16 +59,22 @@ class BeamGeometry:
         self.angle_min, self.angle_increment = float(angle_min), float(angle_increment)
         self.T_base_laser = T_base_laser
         self._T_laser_base = T_base_laser.inverse()
+        angle = self.angle_min + self.angle_increment * np.arange(beams) + T_base_laser.yaw
+        self._directions = np.stack([np.cos(angle), np.sin(angle)], 1)
         self.caps = self._border_distances()
+        """(B,) [m]: from the laser along each beam to the window's border"""
 
     def _border_distances(self) -> Floats:
-        angle = self.angle_min + self.angle_increment * np.arange(self.beams) + self.T_base_laser.yaw
+        laser = np.array([self.T_base_laser.x, self.T_base_laser.y])
         with np.errstate(divide="ignore"):
-            sides = [
-                (np.copysign(WINDOW, along) - at) / along
-                for at, along in ((self.T_base_laser.x, np.cos(angle)), (self.T_base_laser.y, np.sin(angle)))
-            ]
-        return np.minimum(*np.abs(sides))
+            to_lines = np.abs((np.copysign(WINDOW, self._directions) - laser) / self._directions)
+        return np.asarray(to_lines.min(axis=1))
+
+    def hits(self, ranges: NDArray[np.floating], range_max: float) -> Floats:
+        """Where the beams of one scan (B,) [m] ended on something -> (M, 2) [m] in base_link."""
+        hit = (ranges > 0) & (ranges < range_max)  # neither NaN nor inf
+        laser = np.array([self.T_base_laser.x, self.T_base_laser.y])
+        return np.asarray(laser + ranges[hit, None].astype(np.float64) * self._directions[hit])
 
     def locate(self, points: Floats) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
         """Points (N, 2) [m] in base_link -> beam (N,), distance from the laser (N,) [m], inside its field of view (N,).

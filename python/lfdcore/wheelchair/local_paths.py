@@ -71,7 +71,8 @@ class LocalPaths:
 
     joystick (N, 2): forward, left at the start; beam_range (N,) [m]: what the beam towards the goal measured at the
     start, capped at the window's border; goal (N, 2) [m]: the end; end_yaw (N,) [rad]: the heading there; paths: N
-    arrays (M, 2) [m], from the origin to the goal; reason (N,): which of REASONS ended it; stamp (N,) [s]: the scan's;
+    arrays (M, 2) [m], from the origin to the goal; clearance (N,) [m]: from the path to the nearest place that the
+    start's scan hit, inf if it hit nothing; reason (N,): which of REASONS ended it; stamp (N,) [s]: the scan's;
     dropped: how many starts gave no path, by cause.
     """
 
@@ -80,6 +81,7 @@ class LocalPaths:
     goal: Floats
     end_yaw: Floats
     paths: list[Floats]
+    clearance: Floats
     reason: NDArray[np.str_]
     stamp: Floats
     dropped: dict[str, int] = field(default_factory=dict)
@@ -100,6 +102,7 @@ class LocalPaths:
             self.goal * flip,
             -self.end_yaw,
             [path * flip for path in self.paths],
+            self.clearance,
             self.reason,
             self.stamp,
         )
@@ -113,8 +116,12 @@ class LocalPaths:
         for part in parts:
             dropped.update(part.dropped)
         return LocalPaths(
-            *(np.concatenate([getattr(p, name) for p in parts]) for name in ("joystick", "beam_range", "goal", "end_yaw")),
+            *(
+                np.concatenate([getattr(p, name) for p in parts])
+                for name in ("joystick", "beam_range", "goal", "end_yaw")
+            ),
             [path for part in parts for path in part.paths],
+            np.concatenate([part.clearance for part in parts]),
             np.concatenate([part.reason for part in parts]),
             np.concatenate([part.stamp for part in parts]),
             dict(dropped),
@@ -137,7 +144,7 @@ def past_speeds(log: DriveLog, stamps: Floats, window: float = 0.5) -> Floats:
     if len(stamps) == 0:
         return np.zeros((0, 2))
     now, before = log.pose_at(stamps), log.pose_at(stamps - window)
-    turn = (now[:, 2] - before[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    turn = wrap(now[:, 2] - before[:, 2])
     middle = before[:, 2] + turn / 2
     ahead = ((now - before)[:, :2] * np.stack([np.cos(middle), np.sin(middle)], 1)).sum(1)
     return np.stack([ahead, turn], 1) / window
@@ -163,8 +170,9 @@ def extract_local_paths(log: DriveLog, config: LocalPathConfig | None = None) ->
     config = config or LocalPathConfig()
     _check(log)
     track = _Track(log, config)
-    ends, reasons = _find_ends(log, track, config)
-    return _collect(log, track, ends, reasons, config)
+    walk = _Walk(log, track, config)
+    walk.run()
+    return _collect(log, walk, config)
 
 
 def _check(log: DriveLog) -> None:
@@ -214,87 +222,110 @@ def _in_gap(odometry: Floats, stamps: Floats, longest: float) -> NDArray[np.bool
     return odometry[after] - odometry[after - 1] > longest
 
 
-def _find_ends(
-    log: DriveLog, track: _Track, config: LocalPathConfig
-) -> tuple[NDArray[np.intp], NDArray[np.str_]]:
-    """The last instant and the reason of every covered scan's path. All paths advance together, one instant a turn."""
-    beams = beam_geometry(log)
-    ranges = np.minimum(clean_ranges(log.ranges, log.range_min, log.range_max), log.range_max)
-    end, reason = track.start.copy(), np.full(len(track.start), "log", dtype="U8")
-    active = np.arange(len(track.start))
-    furthest = track.start.copy()  # where the path had come farthest ahead
-    while len(active):
-        at = end[active] + 1
-        over = at >= len(track.stamp)
-        active, at = active[~over], at[~over]
-        start = track.start[active]
+class _Walk:
+    """All paths grow together, one instant of the track a turn, until each has met a criterion."""
+
+    def __init__(self, log: DriveLog, track: _Track, config: LocalPathConfig) -> None:
+        self.track, self.config, self.beams = track, config, beam_geometry(log)
+        self.ranges = _clean(log)
+        self.end = track.start.copy()
+        self.furthest = track.start.copy()  # where a path had come farthest ahead
+        self.reason = np.full(len(track.start), "log", dtype="U8")
+
+    def run(self) -> None:
+        active = np.arange(len(self.end))
+        while len(active):
+            active = active[self.end[active] + 1 < len(self.track.stamp)]
+            met = self._criteria(active, self.end[active] + 1)
+            which = np.select(list(met.values()), np.arange(1, len(met) + 1), 0)
+            reason = np.array(["", *met])[which]
+            self._finish(active[which > 0], reason[which > 0])
+            active = active[which == 0]
+            self.end[active] += 1
+            ahead = self.track.travel[self.end[active]] > self.track.travel[self.furthest[active]]
+            self.furthest[active[ahead]] = self.end[active[ahead]]
+        rest = np.isin(self.reason, ["rest", "log"])  # the end lies where the chair came to rest
+        moved = np.minimum(self.end[rest], self.track.last_moved[self.end[rest]])
+        self.end[rest] = np.maximum(moved, self.track.start[rest])
+
+    def _criteria(self, active: NDArray[np.intp], at: NDArray[np.intp]) -> dict[str, NDArray[np.bool_]]:
+        """Which paths would meet which criterion at instants `at`; the first that holds counts."""
+        track, config, start = self.track, self.config, self.track.start[active]
         local = track.local(start, at)
-        beam, distance, covered = beams.locate(local)
-        seen = ranges[track.scan[active], beam]
-        back = track.travel[furthest[active]] - track.travel[at]
-        rested = track.stamp[at] - track.stamp[np.maximum(track.last_moved[at], start)]
-        over_when = {  # the first that holds counts
+        beam, distance, covered = self.beams.locate(local)
+        seen = self.ranges[track.scan[active], beam]
+        return {
             "gap": track.gap[at],
             "window": (local[:, 0] >= WINDOW) | (np.abs(local[:, 1]) >= WINDOW),
             "behind": local[:, 0] < -config.behind,
-            "reverse": back > config.reverse,
+            "reverse": track.travel[self.furthest[active]] - track.travel[at] > config.reverse,
             "turn": np.abs(track.yaw[at] - track.yaw[start]) > config.turn,
             "hidden": covered & (distance > seen + config.slack),
-            "rest": rested > config.rest,
+            "rest": track.stamp[at] - track.stamp[np.maximum(track.last_moved[at], start)] > config.rest,
             "time": track.stamp[at] - track.stamp[start] > config.duration,
         }
-        which = np.select(list(over_when.values()), np.arange(1, len(over_when) + 1), 0)
-        names = np.array(["", *over_when])
-        done = which > 0
-        reason[active[done]] = names[which[done]]
-        end[active[~done]] = at[~done]
-        end[active[done & (which == 2)]] += 1  # the border lies between this instant and the one before
-        turned_back = active[names[which] == "reverse"]
-        end[turned_back] = furthest[turned_back]
-        active, at = active[~done], at[~done]
-        ahead = track.travel[at] > track.travel[furthest[active]]
-        furthest[active[ahead]] = at[ahead]
-    rest = np.isin(reason, ["rest", "log"])
-    end[rest] = np.maximum(np.minimum(end[rest], track.last_moved[end[rest]]), track.start[rest])
-    return end, reason
+
+    def _finish(self, paths: NDArray[np.intp], reason: NDArray[np.str_]) -> None:
+        self.reason[paths] = reason
+        self.end[paths[reason == "window"]] += 1  # the border lies between this instant and the one before
+        turned_back = paths[reason == "reverse"]
+        self.end[turned_back] = self.furthest[turned_back]
 
 
-def _collect(
-    log: DriveLog, track: _Track, ends: NDArray[np.intp], reasons: NDArray[np.str_], config: LocalPathConfig
-) -> LocalPaths:
+def _clean(log: DriveLog) -> Floats:
+    ranges = clean_ranges(np.atleast_2d(log.ranges), log.range_min, log.range_max)
+    assert ranges is not None  # only a single scan can be
+    return ranges
+
+
+def _collect(log: DriveLog, walk: _Walk, config: LocalPathConfig) -> LocalPaths:
+    track = walk.track
     joystick = joystick_at_scans(log)[track.scan]
-    measured = np.isfinite(log.ranges[track.scan]).any(axis=1) | np.isposinf(log.ranges[track.scan]).any(axis=1)
-    still = ~(np.hypot(*joystick.T) >= config.dead_zone)  # NaN counts as still
-    drop = np.select(
-        [~measured, still, reasons == "gap", reasons == "time"], ["no scan", "no input", "gap", "time"], ""
-    ).astype("U9")
-    paths: list[Floats] = []
-    for i in range(len(ends)):
-        path = _cut(track, int(track.start[i]), int(ends[i]), str(reasons[i])) if drop[i] == "" else np.zeros((1, 2))
-        if drop[i] == "" and np.hypot(*np.diff(path, axis=0).T).sum() < config.shortest:
-            drop[i] = "too short"
-        paths.append(path)
-    kept = np.flatnonzero(drop == "")
-    causes = Counter(str(name) for name in drop if name)
-    causes["no odometry"] = len(log.scan_stamp) - len(track.scan)
+    paths = [_cut(track, *piece) for piece in zip(track.start, walk.end, walk.reason, strict=True)]
+    cause = _causes(log, walk, joystick, paths, config)
+    kept = np.flatnonzero(cause == "")
+    dropped = Counter(str(name) for name in cause if name)
+    dropped["no odometry"] = len(log.scan_stamp) - len(track.scan)
     goal = np.array([paths[i][-1] for i in kept]).reshape(-1, 2)
-    beams = beam_geometry(log)
-    beam = beams.locate(goal)[0]
-    ranges = clean_ranges(log.ranges[track.scan[kept]], log.range_min, log.range_max)
-    turned = track.yaw[ends[kept]] - track.yaw[track.start[kept]]
+    beam = walk.beams.locate(goal)[0]
     return LocalPaths(
         joystick[kept],
-        np.minimum(ranges[np.arange(len(kept)), beam], beams.caps[beam]),
+        np.minimum(walk.ranges[track.scan[kept], beam], walk.beams.caps[beam]),
         goal,
-        (turned + np.pi) % (2 * np.pi) - np.pi,
+        wrap(track.yaw[walk.end[kept]] - track.yaw[track.start[kept]]),
         [paths[i] for i in kept],
-        reasons[kept],
+        np.array([_clearance(paths[i], walk.beams.hits(log.ranges[track.scan[i]], log.range_max)) for i in kept]),
+        walk.reason[kept],
         track.stamp[track.start[kept]],
-        {name: count for name, count in causes.items() if count},
+        {name: count for name, count in dropped.items() if count},
     )
 
 
-def _cut(track: _Track, start: int, end: int, reason: str) -> Floats:
+def _causes(
+    log: DriveLog, walk: _Walk, joystick: Floats, paths: list[Floats], config: LocalPathConfig
+) -> NDArray[np.str_]:
+    """Why each start gives no path; empty where it gives one."""
+    ranges = log.ranges[walk.track.scan]
+    measured = (~np.isnan(ranges)).any(axis=1)
+    pushed = np.hypot(*joystick.T) >= config.dead_zone  # NaN is not
+    long = np.array([np.hypot(*np.diff(path, axis=0).T).sum() >= config.shortest for path in paths], dtype=bool)
+    lost = [walk.reason == name for name in _DROPPED]
+    return np.select([~measured, ~pushed, *lost, ~long], ["no scan", "no input", *_DROPPED, "too short"], "")
+
+
+def _clearance(path: Floats, hits: Floats) -> float:
+    if not len(hits):
+        return float("inf")
+    squared = (path**2).sum(1)[:, None] + (hits**2).sum(1) - 2 * path @ hits.T
+    return float(np.sqrt(max(squared.min(), 0.0)))
+
+
+def wrap(angle: Floats) -> Floats:
+    """Angles [rad] in [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def _cut(track: _Track, start: np.intp, end: np.intp, reason: str) -> Floats:
     at = np.arange(start, end + 1)
     path = track.local(np.full(len(at), start), at)
     if reason == "window":

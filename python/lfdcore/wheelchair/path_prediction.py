@@ -1,0 +1,127 @@
+"""The path that a driver is going to take, from the intention map and the path primitives (Sec. 3.3, 3.4.1).
+
+The thesis predicts the primitive scaled to the likeliest cell (`rule="goal"`). One-class networks all answer about 1
+near their data, however often a cell was driven to, so that the maximum jumps about between cells that are hardly less
+likely. The default (`rule="median"`) lets every cell vote with its likelihood: the path at each arc length is the
+geometric median of all cells' primitives there, the point of the least expected distance. Primitives that come nearer
+to what the scan shows than demonstrations did lose their vote.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
+from lfdcore.wheelchair.intention import goal_of
+from lfdcore.wheelchair.window import CELLS, RESOLUTION
+
+if TYPE_CHECKING:
+    from lfdcore.geometry import Pose2
+    from lfdcore.grid import LaserScan
+    from lfdcore.wheelchair.drive_model import DriveAssistantModel
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PathPredictionConfig:
+    """rule: see the module; reach [m]: how long a path is predicted (straight on beyond its goal); points: in it;
+    edge [m]: over how much clearance a primitive's vote fades, around the clearance that the demonstrations kept
+    (0: no primitive loses its vote); iterations: of Weiszfeld's algorithm for the geometric median."""
+
+    rule: Literal["median", "goal"] = "median"
+    reach: float = 2.5
+    points: int = 26
+    edge: float = 0.05
+    iterations: int = 15
+
+    def __post_init__(self) -> None:
+        if self.rule not in ("median", "goal"):
+            raise ValueError(f"rule is {self.rule!r}, must be 'median' or 'goal'")
+        if not (np.isfinite(self.reach) and self.reach > 0):
+            raise ValueError(f"reach is {self.reach} m, must be positive and finite")
+        if self.points < 2 or self.iterations < 0 or not self.edge >= 0:
+            raise ValueError(f"points {self.points}, iterations {self.iterations}, edge {self.edge} m are too small")
+
+    @classmethod
+    def thesis(cls) -> PathPredictionConfig:
+        return cls(rule="goal")
+
+
+class PathPredictor:
+    """Predicts paths with one learned model; all primitives are scaled to all cells once, when it is made."""
+
+    def __init__(self, model: DriveAssistantModel, config: PathPredictionConfig | None = None) -> None:
+        self.model, self.config = model, config or PathPredictionConfig()
+        scaled = model.primitives.scaled_to_all(model.intention.centres)
+        cells = np.floor((scaled + WINDOW) / RESOLUTION).clip(0, CELLS - 1).astype(np.intp)
+        self._cells = cells[..., 1] * CELLS + cells[..., 0]
+        self._paths = np.array([along(path, self.config.reach, self.config.points) for path in scaled])
+
+    def predict(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats | None:
+        """(points, 2) [m] in base_link from the origin, equally spaced up to `reach`; None where nothing is likely
+        (stick at rest, scan without a measurement, nothing like it in the demonstrations)."""
+        if self.config.rule == "goal":
+            return self._to_goal(goal_of(self.model.intention.predict(joystick, scan, T_base_laser)))
+        votes = self.model.intention.cell_likelihoods(joystick, scan, T_base_laser)
+        if self.config.edge > 0 and self.model.clearance > 0 and votes.any():
+            votes = votes * self._free(scan, T_base_laser)
+        voters = np.flatnonzero(votes > 1e-3 * votes.max(initial=0.0))
+        if len(voters) == 0:
+            return None
+        median = geometric_median(self._paths[voters], votes[voters], self.config.iterations)
+        return along(median, self.config.reach, self.config.points)
+
+    def _to_goal(self, goal: Floats | None) -> Floats | None:
+        if goal is None:
+            return None
+        return along(self.model.primitives.scaled_to(goal), self.config.reach, self.config.points)
+
+    def _free(self, scan: LaserScan, T_base_laser: Pose2) -> Floats:
+        clearance = clearance_field(scan, T_base_laser).ravel()[self._cells].min(axis=1)
+        return 1.0 / (1.0 + np.exp(np.clip((self.model.clearance - clearance) / self.config.edge, -50, 50)))
+
+
+def clearance_field(scan: LaserScan, T_base_laser: Pose2) -> NDArray[np.float32]:
+    """(100, 100) [m]: from each cell of the local window to the nearest cell that a beam hit; 1e6 without a hit."""
+    laser = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
+    free = np.ones((CELLS, CELLS), np.uint8)
+    cells = np.floor((laser.hits(scan.ranges, scan.range_max) + WINDOW) / RESOLUTION)
+    inside = ((cells >= 0) & (cells < CELLS)).all(axis=1)
+    if not inside.any():
+        return np.full((CELLS, CELLS), 1e6, np.float32)
+    ix, iy = cells[inside].astype(np.intp).T
+    free[iy, ix] = 0
+    return np.asarray(cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32) * np.float32(
+        RESOLUTION
+    )
+
+
+def geometric_median(paths: Floats, weights: Floats, iterations: int) -> Floats:
+    """Paths (N, A, 2) with weights (N,) > 0 -> (A, 2): at each of the A places the point of the least weighted sum of
+    distances (Weiszfeld's algorithm from the mean; distances below 1 cm count as 1 cm)."""
+    points, weight = np.ascontiguousarray(paths.transpose(2, 1, 0)), weights / weights.sum()  # (2, A, N)
+    median = points @ weight
+    for _ in range(iterations):
+        pull = weight / np.maximum(np.hypot(*(points - median[:, :, None])), 0.01)
+        median = (points * pull).sum(axis=2) / pull.sum(axis=1)
+    return median.T
+
+
+def along(path: Floats, reach: float, points: int) -> Floats:
+    """A path (M, 2) at `points` points equally spaced by arc length up to `reach` [m]; beyond its end straight on."""
+    step = np.hypot(*np.diff(path, axis=0).T)
+    kept = np.r_[True, step > 1e-9]
+    path, length = path[kept], np.cumsum(np.r_[0.0, step])[kept]
+    if len(path) < 2:
+        raise ValueError("a path without length has no direction to go on in")
+    at = np.linspace(0.0, reach, points)
+    back = min(int(np.searchsorted(length, length[-1] - 0.25)), len(path) - 2)
+    ahead = (path[-1] - path[back]) / np.linalg.norm(path[-1] - path[back]).clip(min=1e-9)
+    inside = np.stack([np.interp(at, length, path[:, axis]) for axis in (0, 1)], 1)
+    return inside + np.maximum(at - length[-1], 0.0)[:, None] * ahead

@@ -1,0 +1,28 @@
+"""The local window's cells (Sec. 3.3): 100 x 100 of 0.05 m around base_link, data[iy, ix]."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.wheelchair.beams import WINDOW
+
+CELLS = 100
+RESOLUTION = 2 * WINDOW / CELLS
+"""[m]"""
+
+
+def cell_keys(points: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Points (N, 2) [m] in base_link -> flat cell index iy * 100 + ix (N,); ValueError outside the window."""
+    index = np.floor((points + WINDOW) / RESOLUTION)
+    if not ((index >= 0) & (index < CELLS)).all():
+        raise ValueError(f"a point lies outside the local window of +-{WINDOW} m")
+    return (index[:, 1] * CELLS + index[:, 0]).astype(np.int32)
+
+
+def key_centres(keys: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Flat cell indices (N,) -> centres (N, 2) [m] in base_link."""
+    return (np.stack([keys % CELLS, keys // CELLS], 1) + 0.5) * RESOLUTION - WINDOW
+
+
+def cell_centres() -> NDArray[np.float64]:
+    """(100, 100, 2) [m]: centres of all cells, indexed [iy, ix]."""
+    return key_centres(np.arange(CELLS * CELLS, dtype=np.int32)).reshape(CELLS, CELLS, 2)
