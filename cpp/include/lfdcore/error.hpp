@@ -29,4 +29,9 @@ void require_between(std::string_view name, double value, double low, double hig
 /// Throws std::invalid_argument(message) unless the condition holds.
 void require(bool condition, const std::string& message);
 
+/// The same for a literal: builds no string, and so allocates nothing, while the condition holds.
+inline void require(bool condition, const char* message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
 }  // namespace lfdcore

@@ -1,7 +1,55 @@
 #include "common.hpp"
+#include "lfdcore/control/dynamic_window.hpp"
 
 namespace lfdcore {
+namespace {
 
-void bind_dynamic_window(py::module_&) {}
+void bind_config(py::module_& m) {
+  using Config = DynamicWindowConfig;
+  const Config config;
+  py::class_<Config>(m, "DynamicWindowConfig",
+                     "Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period "
+                     "[s] that sets the window.")
+      .def(py::init([](int linear_samples, int angular_samples, double horizon, double step, double period) {
+             const Config made{linear_samples, angular_samples, horizon, step, period};
+             validate(made);
+             return made;
+           }),
+           py::kw_only(), py::arg("linear_samples") = config.linear_samples,
+           py::arg("angular_samples") = config.angular_samples, py::arg("horizon") = config.horizon,
+           py::arg("step") = config.step, py::arg("period") = config.period)
+      .def_readonly("linear_samples", &Config::linear_samples)
+      .def_readonly("angular_samples", &Config::angular_samples)
+      .def_readonly("horizon", &Config::horizon, "[s]")
+      .def_readonly("step", &Config::step, "[s]")
+      .def_readonly("period", &Config::period, "[s]")
+      .def(py::pickle(
+          [](const Config& c) {
+            return py::make_tuple(c.linear_samples, c.angular_samples, c.horizon, c.step, c.period);
+          },
+          [](const py::tuple& t) {
+            return Config{t[0].cast<int>(), t[1].cast<int>(), t[2].cast<double>(), t[3].cast<double>(),
+                          t[4].cast<double>()};
+          }));
+}
+
+}  // namespace
+
+void bind_dynamic_window(py::module_& m) {
+  bind_config(m);
+  py::class_<DynamicWindowResult>(m, "DynamicWindowResult", "The chosen twist and where it leads.")
+      .def_readonly("twist", &DynamicWindowResult::twist, "Twist2 [m/s, rad/s]")
+      .def_readonly("feasible", &DynamicWindowResult::feasible, "False: every candidate collides, `twist` brakes.")
+      .def_readonly("end_point", &DynamicWindowResult::end_point,
+                    "(2,) where `twist` held over the horizon leads, base_link [m]; a read-only view")
+      .def_readonly("cost", &DynamicWindowResult::cost, "distance [m] of end_point to the goal; inf if not feasible");
+  m.def("solve_dynamic_window", &solve_dynamic_window, py::arg("current"), py::arg("goal"), py::arg("obstacles"),
+        py::arg("footprint") = Footprint{}, py::arg("limits") = MotionLimits{},
+        py::arg("config") = DynamicWindowConfig{}, without_gil(),
+        "Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from "
+        "`current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the "
+        "footprint touching `obstacles` at any step; all in base_link. If all collide it brakes at the limit "
+        "(feasible = False).\n\nRaises ValueError for a non-finite twist or goal.");
+}
 
 }  // namespace lfdcore

@@ -1,7 +1,11 @@
 #include "common.hpp"
+#include "lfdcore/grid/distance_field.hpp"
 #include "lfdcore/grid/grid.hpp"
 #include "lfdcore/grid/laser_scan.hpp"
 #include "lfdcore/grid/obstacle_points.hpp"
+#include "lfdcore/grid/ray_casting.hpp"
+#include "lfdcore/grid/rolling_map.hpp"
+#include "lfdcore/grid/scan_mapping.hpp"
 
 namespace lfdcore {
 namespace {
@@ -99,9 +103,88 @@ void bind_obstacle_points(py::module_& m) {
       .def(py::init<Path>(), py::arg("points"))
       .def_property_readonly("points", &ObstaclePoints::points, "(M, 2) [m], a view")
       .def("collides", &ObstaclePoints::collides, py::arg("pose"), py::arg("footprint"),
-           "True if any point lies inside or on the footprint of a body at `pose`.")
+           "True if any point lies inside or on the footprint of a body at `pose`. ValueError if either is not finite.")
       .def("clearance", &ObstaclePoints::clearance, py::arg("pose"), py::arg("footprint"),
-           "Distance [m] from the footprint's edge to the nearest point; 0 if one lies inside, inf without points.");
+           "Distance [m] from the footprint's edge to the nearest point; 0 if one lies inside, inf without points. "
+           "ValueError if pose or footprint is not finite.")
+      .def(
+          "__len__", [](const ObstaclePoints& o) { return o.points().rows(); }, "number of points")
+      .def(py::pickle([](const ObstaclePoints& o) { return py::make_tuple(o.points()); },
+                      [](const py::tuple& t) { return ObstaclePoints(t[0].cast<Path>()); }));
+}
+
+void bind_scan_mapping(py::module_& m) {
+  m.def(
+      "local_grid", &local_grid, py::arg("scan"), py::arg("T_base_laser"), without_gil(),
+      "What one scan shows of the window around base_link -> OccupancyGrid of 100 x 100 cells of 0.05 m (Sec. 3.3).\n\n"
+      "Cells along a beam are free (0), the cell at its end is occupied (100, which wins), all others unknown (-1);\n"
+      "only the edges of obstacles are seen. Ranges (REP-117): in [range_min, range_max) a hit; +inf or at least\n"
+      "range_max free up to range_max; -inf an obstacle at range_min; NaN and finite ones below range_min ignored.\n"
+      "ValueError for an invalid scan or a pose that is not finite.");
+}
+
+void bind_rolling_map(py::module_& m) {
+  py::class_<RollingMap>(
+      m, "RollingMap",
+      "A map of recent scans around the robot, aligned with the odometry frame, for what the LIDAR no longer sees.\n\n"
+      "Keeps in each 0.05 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration` "
+      "[s];\n"
+      "a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.\n"
+      "radius [m], 0.5 to 20: how far from the robot obstacles() looks.")
+      .def(py::init<double, double>(), py::arg("duration") = 30.0, py::arg("radius") = 4.0)
+      .def("insert", &RollingMap::insert, py::arg("stamp"), py::arg("scan"), py::arg("T_base_laser"),
+           py::arg("T_odom_base"), without_gil(),
+           "Adds a scan taken at `stamp` [s] from T_odom_base. ValueError, and no change, for an invalid scan or pose "
+           "or a stamp before the last one.")
+      .def("obstacles", &RollingMap::obstacles, py::arg("T_odom_base"), without_gil(),
+           "The remembered points within `radius` of base_link, in base_link -> ObstaclePoints.")
+      .def(
+          "local_grid", &RollingMap::local_grid, py::arg("T_odom_base"), without_gil(),
+          "The window around base_link -> OccupancyGrid (100 x 100 of 0.05 m): occupied where a remembered point lies, "
+          "else free where seen free within `duration`, else -1.")
+      .def("clear", &RollingMap::clear, "Forgets everything, stamps included.")
+      .def_property_readonly("duration", &RollingMap::duration, "[s]")
+      .def_property_readonly("radius", &RollingMap::radius, "[m]")
+      .def("__len__", &RollingMap::size, "number of points remembered");
+}
+
+void bind_distance_field(py::module_& m) {
+  m.def("distance_field", &distance_field, py::arg("occupied"), py::arg("resolution"), without_gil(),
+        "Distance from each cell's centre to the nearest occupied centre: (H, W) bool -> (H, W) float32 [m], inf if no "
+        "cell is occupied. Exact (Felzenszwalb & Huttenlocher 2012). ValueError for an empty mask or a resolution [m] "
+        "that is not positive.");
+  m.def("inflate", &inflate, py::arg("occupied"), py::arg("radius"), py::arg("resolution"), without_gil(),
+        "Cells whose centre lies within `radius` [m] of an occupied centre: (H, W) bool -> (H, W) bool. ValueError for "
+        "an "
+        "empty mask, a negative radius or a resolution [m] that is not positive.");
+}
+
+void bind_ray_casting(py::module_& m) {
+  using Angles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  py::class_<RayCaster>(
+      m, "RayCaster",
+      "Exact ray casting in a map: the distance to the entry into the first cell occupied from 65 % "
+      "on, as a walk from cell to cell finds it. Unknown cells are transparent. Takes 4 bytes a cell.")
+      .def(py::init<const OccupancyGrid&, double>(), py::arg("grid"), py::arg("range_max"), without_gil())
+      .def(
+          "cast",
+          [](const RayCaster& caster, const Pose2& T_map_laser, const Angles& angles) {
+            if (angles.ndim() != 1)
+              throw std::invalid_argument("angles has " + std::to_string(angles.ndim()) +
+                                          " dimensions, must have 1: (B,)");
+            py::array_t<float> ranges(angles.size());
+            const std::span<const double> from(angles.data(), angles.size());
+            const std::span<float> to(ranges.mutable_data(), angles.size());
+            py::gil_scoped_release release;
+            caster.cast(T_map_laser, from, to);
+            return ranges;
+          },
+          py::arg("T_map_laser"), py::arg("angles"),
+          "Ranges (B,) float32 [m] at angles (B,) [rad] in the laser's frame: 0 if the laser is in an occupied cell, "
+          "inf "
+          "if nothing is hit within range_max or before the map's end. ValueError for a pose or angle that is not "
+          "finite.")
+      .def_property_readonly("range_max", &RayCaster::range_max, "[m]");
 }
 
 }  // namespace
@@ -110,6 +193,10 @@ void bind_grid(py::module_& m) {
   bind_occupancy_grid(m);
   bind_laser_scan(m);
   bind_obstacle_points(m);
+  bind_scan_mapping(m);
+  bind_rolling_map(m);
+  bind_distance_field(m);
+  bind_ray_casting(m);
 }
 
 }  // namespace lfdcore

@@ -1,1 +1,1 @@
-"""The wheelchair: what is learned from demonstrations, and the assistants that use it."""
+"""The powered wheelchair: from scan and joystick to the driver's intention, a path and a command (Ch. 3)."""

@@ -1,0 +1,55 @@
+"""Options and output that commands share."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from lfdcore.datasets.drive_log import DriveLog
+
+
+class Preset(StrEnum):
+    """Where defaults come from."""
+
+    default = "default"
+    thesis = "thesis"
+
+
+PresetOption = Annotated[Preset, typer.Option(help="'thesis' restores every printed value.")]
+SeedOption = Annotated[int, typer.Option(min=0, help="The same seed gives the same bytes.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of tables.")]
+LogArguments = Annotated[
+    list[Path], typer.Argument(help="Drive logs: .mcap, CARMEN .log(.gz), MRPT .rawlog, ROS bags.")
+]
+
+
+def print_json(value: Any) -> None:
+    """Prints a value for machines."""
+    typer.echo(json.dumps(value, indent=2, allow_nan=True))
+
+
+@contextmanager
+def progress_bar() -> Iterator[Progress]:
+    """A progress bar on standard error, so that standard output stays clean."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        yield bar
+
+
+def open_with_joystick(path: Path) -> DriveLog:
+    """A log whose driver's input is recorded or, where it is not, inferred from the motion before each scan."""
+    from lfdcore.datasets import joystick_from_motion, open_log
+
+    return joystick_from_motion(open_log(path))

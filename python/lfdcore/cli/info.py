@@ -1,0 +1,67 @@
+"""lfdcore info: what a file holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from lfdcore.cli.common import JsonOption, print_json
+
+
+def info(
+    file: Annotated[Path, typer.Argument(help="A drive log, a model or a map.")], as_json: JsonOption = False
+) -> None:
+    """Say what a drive log, a model or a map holds."""
+    facts = _facts(file)
+    if as_json:
+        print_json(facts)
+        return
+    for name, value in facts.items():
+        typer.echo(f"{name:>24}  {value}")
+
+
+def _facts(file: Path) -> dict[str, Any]:
+    if not file.exists():
+        raise FileNotFoundError(2, "no such file", str(file))
+    if file.suffix == ".safetensors":
+        from lfdcore.wheelchair.model_file import DriveAssistantModel
+
+        return {"kind": "drive assistant model", **DriveAssistantModel.load(file).summary()}
+    if file.suffix in {".yaml", ".yml"}:
+        return _map_facts(file)
+    return _log_facts(file)
+
+
+def _map_facts(file: Path) -> dict[str, Any]:
+    from lfdcore.datasets import read_map
+
+    grid = read_map(file)
+    free, occupied = int((grid.data == 0).sum()), int(grid.occupied_mask().sum())
+    return {
+        "kind": "occupancy grid map",
+        "size [cells]": f"{grid.width} x {grid.height}",
+        "size [m]": f"{grid.width * grid.resolution:.1f} x {grid.height * grid.resolution:.1f}",
+        "resolution [m]": grid.resolution,
+        "origin [m]": grid.origin,
+        "free, occupied, unknown": f"{free}, {occupied}, {grid.width * grid.height - free - occupied} cells",
+    }
+
+
+def _log_facts(file: Path) -> dict[str, Any]:
+    from lfdcore.datasets import open_log
+    from lfdcore.geometry import arc_length
+
+    log = open_log(file)
+    return {
+        "kind": "drive log",
+        "name": log.name,
+        "duration [s]": round(log.duration, 1),
+        "scans": f"{log.ranges.shape[0]} of {log.ranges.shape[1]} beams",
+        "odometry": f"{len(log.odometry_stamp)} records, {arc_length(log.pose[:, :2])[-1]:.1f} m",
+        "joystick": f"{len(log.joystick_stamp)} records",
+        "commands": f"{len(log.command_stamp)} records",
+        "plans": len(log.plans),
+        **log.metadata,
+    }

@@ -1,0 +1,51 @@
+"""lfdcore: the command tree and what every command shares."""
+
+from __future__ import annotations
+
+import sys
+from typing import NoReturn
+
+import typer
+
+from lfdcore import __version__
+from lfdcore.cli import demo, info, learn, predict, study
+
+app = typer.Typer(
+    name="lfdcore",
+    help="Assistive robots that learn from a few demonstrations.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+app.command("demo")(demo.demo)
+app.command("info")(info.info)
+app.command("predict")(predict.predict)
+app.add_typer(learn.app, name="learn")
+app.add_typer(study.app, name="study")
+
+
+@app.callback(invoke_without_command=True)
+def version(show: bool = typer.Option(False, "--version", help="Print the version and stop.")) -> None:
+    """Assistive robots that learn from a few demonstrations."""
+    if show:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+def _fail(message: str) -> NoReturn:
+    print(f"lfdcore: {message}", file=sys.stderr)
+    sys.exit(1)
+
+
+def main() -> None:
+    """Runs a command: exit code 2 for wrong use, 1 for a failure with one clear line."""
+    from lfdcore.errors import DataError, ModelError
+
+    try:
+        app()
+    except (ValueError, DataError, ModelError) as error:
+        _fail(str(error))
+    except OSError as error:
+        _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    except KeyboardInterrupt:
+        _fail("interrupted")

@@ -1,0 +1,149 @@
+"""CARMEN logs (.log, .log.gz) with FLASER scans and raw ODOM lines, as the Radish collection has them."""
+
+from __future__ import annotations
+
+import gzip
+import math
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.motion import windowed_twist
+from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2
+
+EXCLUSIVE, INCLUSIVE = (180, 360), (181, 361)
+"""Numbers of beams over 180 degrees: without and with a beam at +90 degrees."""
+LONGEST_LINE = 1 << 20
+"""[bytes]"""
+_FAR, _NEAR = 81.0, 50.0
+
+
+def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_max: float | None = None) -> DriveLog:
+    """Reads the FLASER scans and the raw odometry of a CARMEN log, gzipped or plain.
+
+    Angles: from -90 degrees in steps of 180 / n for n = 180 or 360 beams, to +90 degrees inclusive for 181 or 361.
+    Readings from `range_max` [m] on mean no return (inf): unless told 81 if any reading exceeds 51.2, else 50 (a SICK
+    LMS says 81.8 to 81.91 or 50 to 51.1). Stamps are the log's. Odometry: ODOM lines whose time is 0 repeat the
+    corrected pose and are dropped, as are lines that do not go forward in time; corrected poses are not read. The log
+    holds no velocities: the twist is the mean over the last half second. T_base_laser is the identity unless told.
+    DataError with the line for garbled, truncated or empty logs and other numbers of beams.
+    """
+    path = Path(path)
+    lines = _Lines(path)
+    for number, words in _numbered_lines(path):
+        try:
+            lines.add(words)
+        except (ValueError, IndexError) as error:
+            raise DataError(f"{path}, line {number}: {error}") from error
+    if not lines.scans:
+        raise DataError(f"{path}: holds no FLASER line, so no scan")
+    try:
+        return _drive_log(lines, T_base_laser, range_max)
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from error
+
+
+def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | None) -> DriveLog:
+    readings = np.array(lines.scans)
+    finite = readings[np.isfinite(readings)]
+    far = range_max or (_FAR if finite.size and finite.max() > 51.2 else _NEAR)
+    beams = readings.shape[1]
+    odometry = lines.sorted_odometry()
+    pose = np.c_[odometry[:, 1:3], np.unwrap(odometry[:, 3])]
+    return DriveLog(
+        scan_stamp=np.array(lines.scan_stamps),
+        ranges=np.where(readings >= far, np.inf, readings).astype(np.float32),
+        angle_min=-math.pi / 2,
+        angle_increment=math.pi / (beams if beams in EXCLUSIVE else beams - 1),
+        range_min=0.0,
+        range_max=far,
+        T_base_laser=T_base_laser or Pose2(),
+        odometry_stamp=odometry[:, 0],
+        pose=pose,
+        twist=windowed_twist(odometry[:, 0], pose),
+        metadata={"source": f"CARMEN log {lines.path.name}", "odometry": "raw; twist over the last 0.5 s"},
+        name=lines.path.name.removesuffix(".gz").removesuffix(".log"),
+    )
+
+
+@dataclass
+class _Lines:
+    """The lines that matter."""
+
+    path: Path
+    scan_stamps: list[float] = field(default_factory=list)
+    scans: list[list[float]] = field(default_factory=list)
+    odometry: list[tuple[float, float, float, float]] = field(default_factory=list)
+
+    def add(self, words: list[str]) -> None:
+        """ValueError for a line that is not what its first word says."""
+        if words and words[0] == "FLASER":
+            self._add_scan(words)
+        elif words and words[0] == "ODOM":
+            self._add_odometry(words)
+
+    def _add_scan(self, words: list[str]) -> None:
+        beams = int(words[1]) if len(words) > 1 else 0
+        if beams not in EXCLUSIVE + INCLUSIVE:
+            raise ValueError(f"a scan of {beams} beams: their angles are known for {EXCLUSIVE + INCLUSIVE} only")
+        if len(words) != beams + 11:
+            raise ValueError(f"FLASER of {beams} beams has {len(words)} words, must have {beams + 11}")
+        if self.scans and beams != len(self.scans[0]):
+            raise ValueError(f"a scan of {beams} beams, the first has {len(self.scans[0])}")
+        self.scans.append([_range(word) for word in words[2 : 2 + beams]])
+        self.scan_stamps.append(_finite(words[8 + beams], "time"))
+
+    def _add_odometry(self, words: list[str]) -> None:
+        if len(words) != 10:
+            raise ValueError(f"ODOM has {len(words)} words, must have 10")
+        stamp = _finite(words[7], "time")
+        if stamp > 0:
+            x, y, yaw = (_finite(words[k], name) for k, name in ((1, "x"), (2, "y"), (3, "theta")))
+            self.odometry.append((stamp, x, y, yaw))
+
+    def sorted_odometry(self) -> NDArray[np.float64]:
+        """(T, 4) stamp, x, y, yaw: without the lines that do not go forward in time"""
+        rows = np.array(self.odometry).reshape(-1, 4)
+        keep = np.ones(len(rows), bool)
+        keep[1:] = np.diff(rows[:, 0]) > 0
+        return np.asarray(rows[keep])
+
+
+def _finite(word: str, name: str) -> float:
+    value = float(word)
+    if not math.isfinite(value):
+        raise ValueError(f"{name} is {word}, must be finite")
+    return value
+
+
+def _range(word: str) -> float:
+    value = float(word)
+    if value < 0:
+        raise ValueError(f"a range is {word} m, must not be negative")
+    return value
+
+
+def _numbered_lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+    with path.open("rb") as raw:
+        zipped = raw.read(2) == b"\x1f\x8b"
+    number = 0
+    with gzip.open(path) if zipped else path.open("rb") as file:
+        while True:
+            number += 1
+            try:
+                line = file.readline(LONGEST_LINE)
+            except (EOFError, OSError, zlib.error) as error:
+                raise DataError(
+                    f"{path}: the gzip stream is cut or garbled after line {number - 1}: {error}"
+                ) from error
+            if not line:
+                return
+            if len(line) >= LONGEST_LINE:
+                raise DataError(f"{path}, line {number}: longer than {LONGEST_LINE} bytes, so no CARMEN log")
+            yield number, line.decode("ascii", "replace").split()

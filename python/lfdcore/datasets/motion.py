@@ -1,0 +1,82 @@
+"""What a drive's odometry says about its driver: velocities and, where none was recorded, the joystick."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.geometry import Twist2
+
+Array = NDArray[np.float64]
+
+WINDOW = 0.5
+"""[s] of odometry behind each velocity: shorter ones show the wheel encoders' and clocks' noise"""
+LIMIT_PERCENTILE = 95.0
+"""of the speeds above MOVING that counts as full deflection"""
+MOVING = 0.05
+"""[m/s] and [rad/s] below which a speed says nothing about the limits"""
+
+
+def windowed_twist(stamp: Array, pose: Array, window: float = WINDOW) -> Array:
+    """Mean twist over the last `window` s before each odometry record -> (T, 2) [m/s, rad/s].
+
+    stamp (T,) [s] sorted, pose (T, 3) with continuous yaw. The distance is taken along the heading in the middle of the
+    turn. Nothing after a record reaches its twist; the first is 0, and the window is shorter near the beginning.
+    """
+    if not len(stamp):
+        return np.zeros((0, 2))
+    begin = np.maximum(stamp - window, stamp[0])
+    before = np.stack([np.interp(begin, stamp, pose[:, k]) for k in range(3)], axis=1)
+    step = pose - before
+    middle = (pose[:, 2] + before[:, 2]) / 2
+    ahead = step[:, 0] * np.cos(middle) + step[:, 1] * np.sin(middle)
+    span = stamp - begin
+    return np.stack([ahead, step[:, 2]], axis=1) / np.where(span > 0, span, np.inf)[:, None]
+
+
+def motion_limits(twist: Array) -> Twist2:
+    """A driver's own limits [m/s, rad/s] from twists (T, 2).
+
+    95th percentile of the speeds above .05, either way; 1 for a motion that never happens.
+    """
+    linear, angular = (
+        float(np.percentile(speed[speed > MOVING], LIMIT_PERCENTILE)) if (speed > MOVING).any() else 1.0
+        for speed in np.abs(twist).T
+    )
+    return Twist2(linear, angular)
+
+
+def joystick_from_motion(log: DriveLog, window: float = WINDOW, limits: Twist2 | None = None) -> DriveLog:
+    """The log with the driver's input inferred at its scans; a log whose joystick was recorded is left alone.
+
+    (forward, left) = (v, omega) / limits, where the velocities are the mean over the last `window` s up to the newest
+    odometry record at or before the scan, never the future, and `limits` are the log's own unless given
+    (`motion_limits`). Faster motion is cut to 1; the metadata count how often. Scans whose newest odometry record is
+    older than `window` get no input. ValueError for a window or limits that are not positive.
+    """
+    if not 0 < window < np.inf:
+        raise ValueError(f"window is {window} s, must be positive")
+    if limits is not None and not (0 < limits.linear < np.inf and 0 < limits.angular < np.inf):
+        raise ValueError(f"limits are {limits} [m/s, rad/s], must be positive")
+    if len(log.joystick_stamp):
+        return log
+    twist = windowed_twist(log.odometry_stamp, log.pose, window)
+    limits = limits or motion_limits(twist)
+    newest = np.searchsorted(log.odometry_stamp, log.scan_stamp, side="right") - 1
+    known = newest >= 0
+    known[known] = log.scan_stamp[known] - log.odometry_stamp[newest[known]] <= window
+    raw = twist[newest[known]] / np.array([*limits])
+    clipped = int((np.abs(raw) > 1).any(axis=1).sum())
+    told = (
+        f"inferred from the motion of the last {window:g} s, full deflection at {limits.linear:.3f} m/s and "
+        f"{limits.angular:.3f} rad/s, {clipped} of {len(raw)} cut to 1"
+    )
+    return dataclasses.replace(
+        log,
+        joystick_stamp=log.scan_stamp[known],
+        joystick=np.clip(raw, -1, 1),
+        metadata=log.metadata | {"joystick": told},
+    )

@@ -1,0 +1,36 @@
+"""Worlds to drive in, drawn by us, each with a reference route; docs/courses.md shows and lists them."""
+
+from lfdcore.study.courses.any_map import from_map
+from lfdcore.study.courses.course import Course
+from lfdcore.study.courses.drawing import Door, Drawing
+from lfdcore.study.courses.held_out import campus, figure_eight, standard_course
+from lfdcore.study.courses.homes import HOME_ROUTES, flat, home, office
+from lfdcore.study.courses.ideal import FootprintOnGrid, IdealDrive, drive_ideally
+from lfdcore.study.courses.routes import RouteConfig, RoutePlanner, clearance_field, route_clearance
+from lfdcore.study.courses.tasks import DOCKING_DISTANCE, Task, distance_to_box, doorway_and_docking, narrow_gap
+
+__all__ = [
+    "DOCKING_DISTANCE",
+    "HOME_ROUTES",
+    "Course",
+    "Door",
+    "Drawing",
+    "FootprintOnGrid",
+    "IdealDrive",
+    "RouteConfig",
+    "RoutePlanner",
+    "Task",
+    "campus",
+    "clearance_field",
+    "distance_to_box",
+    "doorway_and_docking",
+    "drive_ideally",
+    "figure_eight",
+    "flat",
+    "from_map",
+    "home",
+    "narrow_gap",
+    "office",
+    "route_clearance",
+    "standard_course",
+]

@@ -1,0 +1,137 @@
+"""Study driving: drivers x courses x assistants x seeds (Sec. 3.5-3.6, Tables 3.1-3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+from lfdcore.study.courses import Course
+from lfdcore.study.drivers import Driver, DriverConfig, ImpairedDriver, population
+from lfdcore.study.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
+from lfdcore.study.runner import Job, RunConfig, run_jobs
+from lfdcore.study.trace import DriveTrace
+from lfdcore.wheelchair.assistants import (
+    Assistant,
+    DriveAssistant,
+    DriveAssistantConfig,
+    DynamicWindowAssistant,
+    Unassisted,
+)
+from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.observation import ChairGeometry
+
+ARMS = ("none", "dwa", "primitives")
+"""Assistants of the study, the unassisted arm first."""
+FOOTNOTE_ARMS = ("thesis", "supervisor")
+"""On request: the printed loop, and the bare supervisor on the driver's own input."""
+
+
+@lru_cache(maxsize=4)
+def _model(path: Path) -> DriveAssistantModel:
+    return DriveAssistantModel.load(path)
+
+
+def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
+    """The assistant of a study's arm for the chair that `run` simulates."""
+    chair = ChairGeometry(footprint=run.chair.footprint, limits=run.chair.limits, T_base_laser=run.lidar.T_base_laser)
+    if arm == "none":
+        return Unassisted(chair)
+    if arm == "dwa":
+        return DynamicWindowAssistant(chair)
+    if arm == "primitives":
+        return DriveAssistant(_model(model), chair)
+    if arm == "thesis":
+        return DriveAssistant(_model(model), chair, DriveAssistantConfig.thesis(), name="thesis")
+    raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
+
+
+def _impaired(config: DriverConfig, course: Course) -> Driver:
+    return ImpairedDriver(course, config)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrivingStudy:
+    """What is compared. Driver k of the population drives every course in every arm with seed `seed` + k."""
+
+    courses: tuple[Course, ...]
+    model: Path
+    arms: tuple[str, ...] = ARMS
+    drivers: int = 10
+    seed: int = 1
+    run: RunConfig = field(default_factory=RunConfig)
+
+    def jobs(self) -> list[Job]:
+        """One job a run, in a fixed order: course, driver, arm."""
+        drivers = population(self.drivers, self.seed)
+        return [
+            Job(
+                course,
+                partial(_impaired, config),
+                partial(make_assistant, arm, self.model, self.run),
+                self.seed + k,
+                self.run,
+            )
+            for course in self.courses
+            for k, config in enumerate(drivers)
+            for arm in self.arms
+        ]
+
+
+@dataclass(frozen=True)
+class DrivingResult:
+    """A study's traces with their metrics, in the order of its jobs."""
+
+    study: DrivingStudy
+    traces: tuple[DriveTrace, ...]
+    rows: tuple[dict[str, Any], ...]
+    """one a trace: course, driver (its number), assistant, seed, outcome and all metrics by name"""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the traces [bytes]: they hold no scans."""
+        return sum(trace.nbytes for trace in self.traces)
+
+    def column(self, course: str | None, arm: str, metric: str) -> list[float]:
+        """A metric of an arm in the order of drivers, on one course or (None) on all."""
+        return [
+            float(row[metric])
+            for row in self.rows
+            if row["assistant"] == arm and (course is None or row["course"] == course)
+        ]
+
+
+def run_driving_study(
+    study: DrivingStudy,
+    progress: Callable[[int, int], None] | None = None,
+    processes: int | None = None,
+) -> DrivingResult:
+    """Runs a study over processes; its result does not depend on their number."""
+    jobs = study.jobs()
+    traces: dict[int, DriveTrace] = {}
+    for index, trace in run_jobs(jobs, processes):
+        traces[index] = trace
+        if progress is not None:
+            progress(len(traces), len(jobs))
+    ordered = tuple(traces[i] for i in range(len(jobs)))
+    return DrivingResult(study, ordered, tuple(metric_rows(ordered, _model(study.model))))
+
+
+def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> list[dict[str, Any]]:
+    """All metrics of all traces. Steering entropy's fixed baseline is that of the same seed's unassisted run."""
+    traces = list(traces)
+    baseline = {
+        (t.course, t.seed): entropy_baseline(steering_signal(t.stamp, t.desired))
+        for t in traces
+        if t.assistant == "none"
+    }
+    rows = []
+    for trace in traces:
+        row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
+        row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
+        if trace.plans:
+            row |= asdict(framework_metrics(trace, model.compliance, every=5))
+        rows.append(row)
+    return rows

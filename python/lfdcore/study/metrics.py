@@ -1,0 +1,267 @@
+"""Driving and framework metrics, each with its definition (Sec. 3.6, App. E.3; ERRATA 23, 24, 48, F15, F16)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from lfdcore.geometry import wrap_angle
+from lfdcore.study.trace import DriveTrace, Plan
+
+if TYPE_CHECKING:
+    from lfdcore.wheelchair.compliance import ComplianceModel
+
+Array = NDArray[np.float64]
+
+JERK_WINDOW = 0.5
+"""Savitzky-Golay window [s] of the angular jerk (ERRATA 24: without smoothing odometry noise dominates)."""
+ENTROPY_PERIOD = 0.15
+"""Sampling period [s] of the steering signal (Nakayama et al. 1999)."""
+COMPLIANT_FROM = 0.9
+"""Threshold of Sec. 3.4.3."""
+LOOK_AHEAD = 0.8
+"""Pure pursuit's look-ahead [m] (Sec. 3.4.2)."""
+MOVING = 0.05
+"""Speed [m/s] from which the chair counts as moving."""
+
+
+def angular_jerk(omega: Array, period: float, window: float = JERK_WINDOW) -> float:
+    """Mean magnitude of the second derivative of the yaw rate [rad/s^3].
+
+    `omega` (T,) [rad/s] at a fixed `period` [s]; the derivative is that of a Savitzky-Golay parabola over `window` [s].
+    NaN for a series shorter than the window.
+    """
+    size = 2 * round(window / period / 2) + 1
+    if size < 3:
+        raise ValueError(f"the window is {window} s, must hold at least 3 samples of {period} s")
+    if len(omega) < size:
+        return float("nan")
+    return float(np.abs(savgol_filter(omega, size, polyorder=2, deriv=2, delta=period)).mean())
+
+
+def prediction_errors(steering: Array) -> Array:
+    """Errors of the second-order Taylor prediction of a steering series (T,) -> (T - 3,) (Eq. E.1)."""
+    u = np.asarray(steering, float)
+    predicted = u[2:-1] + (u[2:-1] - u[1:-2]) + ((u[2:-1] - u[1:-2]) - (u[1:-2] - u[:-3])) / 2
+    return np.asarray(u[3:] - predicted)
+
+
+def entropy_baseline(steering: Array) -> float:
+    """Alpha: the 90th percentile of the prediction errors' magnitude, in the unit of `steering` (Fig. E.2)."""
+    return float(np.percentile(np.abs(prediction_errors(steering)), 90))
+
+
+def steering_entropy(steering: Array, baseline: float | None = None) -> float:
+    """Entropy in [0, 1] of the prediction errors over nine bins (Eq. E.2).
+
+    `steering` (T,) at about .15 s. Bins at +-.5, 1, 2.5 and 5 alpha, where alpha is `baseline` (of an unassisted run,
+    say) or, without one, that of the series itself, which makes the figure blind to the size of the errors (ERRATA
+    48). A perfectly predictable series gives 0; one shorter than 4 samples NaN.
+    """
+    if len(steering) < 4:
+        return float("nan")
+    errors = prediction_errors(steering)
+    alpha = entropy_baseline(steering) if baseline is None else baseline
+    if alpha <= 1e-9 * np.abs(steering).max():
+        return 0.0
+    edges = np.array([-np.inf, -5, -2.5, -1, -0.5, 0.5, 1, 2.5, 5, np.inf]) * alpha
+    share = np.histogram(errors, edges)[0] / len(errors)
+    share = share[share > 0]
+    return float(-(share * np.log(share)).sum() / np.log(9))
+
+
+def steering_signal(stamp: Array, joystick: Array, period: float = ENTROPY_PERIOD) -> Array:
+    """The horizontal axis of the joystick resampled linearly to `period` [s]: stamp (T,), joystick (T, 2) -> (N,)."""
+    times = np.arange(stamp[0], stamp[-1], period)
+    return np.asarray(np.interp(times, stamp, joystick[:, 1]))
+
+
+def distance(pose: Array) -> float:
+    """Length [m] of the way through poses (T, 3)."""
+    return float(np.hypot(*np.diff(pose[:, :2], axis=0).T).sum())
+
+
+def mean_free_speed(trace: DriveTrace) -> float:
+    """Mean linear speed [m/s] over the ticks at which the chair moves ahead out of contact; NaN if there are none."""
+    free = (trace.twist[:, 0] > MOVING) & ~trace.in_contact
+    return float(trace.twist[free, 0].mean()) if free.any() else float("nan")
+
+
+def reversals(trace: DriveTrace) -> int:
+    """How many times the chair begins to move backwards."""
+    back = trace.twist[:, 0] < -MOVING
+    return int((back[1:] & ~back[:-1]).sum() + back[0])
+
+
+def stuck_time(trace: DriveTrace, reach: float = 0.1, window: float = 10.0) -> float:
+    """Share of ticks in a stretch of `window` [s] with less than `reach` [m] of motion while forward is asked."""
+    size = round(window / trace.period)
+    if len(trace.stamp) <= size:
+        return 0.0
+    moved = np.hypot(*(trace.pose[size:, :2] - trace.pose[:-size, :2]).T)
+    asked = trace.desired[:, 0] > 0.1
+    asks = np.convolve(asked, np.ones(size), "valid")[: len(moved)] / size
+    begins = np.flatnonzero((moved < reach) & (asks > 0.5))
+    stuck = np.zeros(len(trace.stamp), bool)
+    for i in begins:
+        stuck[i : i + size + 1] = True
+    return float(stuck.mean())
+
+
+@dataclass(frozen=True)
+class DrivingMetrics:
+    """One run (Tables 3.1, 3.2, 4.1)."""
+
+    completed: bool
+    angular_jerk: float
+    """[rad/s^3]"""
+    time: float
+    """[s]"""
+    distance: float
+    """[m]"""
+    mean_free_speed: float
+    """[m/s]"""
+    collisions: int
+    steering_entropy: float
+    """self-baselined, as the thesis has it"""
+    steering_entropy_fixed: float
+    """against a fixed baseline (of the same driver's unassisted run); NaN without one"""
+    reversals: int
+    stuck: float
+    """share of time in [0, 1]"""
+    supervised: float
+    """share of ticks at which the supervisor changed the command"""
+
+
+def driving_metrics(trace: DriveTrace, baseline: float | None = None) -> DrivingMetrics:
+    """All driving metrics of a run; `baseline` is the steering entropy's fixed alpha.
+
+    Steering entropy is that of the input as meant (before a disability snaps it to a few orientations): held values
+    have no prediction error and hide effort.
+    """
+    steering = steering_signal(trace.stamp, trace.desired)
+    fixed = float("nan") if baseline is None else steering_entropy(steering, baseline)
+    return DrivingMetrics(
+        completed=trace.completed,
+        angular_jerk=angular_jerk(trace.twist[:, 1], trace.period),
+        time=float(trace.stamp[-1] - trace.stamp[0]),
+        distance=distance(trace.pose),
+        mean_free_speed=mean_free_speed(trace),
+        collisions=int(trace.collision.sum()),
+        steering_entropy=steering_entropy(steering),
+        steering_entropy_fixed=fixed,
+        reversals=reversals(trace),
+        stuck=stuck_time(trace),
+        supervised=float(trace.supervised.mean()),
+    )
+
+
+@dataclass(frozen=True)
+class PlanUse:
+    """What became of one plan."""
+
+    compliant: NDArray[np.bool_]
+    """(N,) path points that were compliant at some later tick (Sec. 3.5.2)"""
+    deviation: Array
+    """(N,) [m] from each path point to the way driven afterwards"""
+    compliant_length: float
+    """[m] from the path's start up to its first incompliant point"""
+
+
+def _nearest_on_polyline(points: Array, line: Array) -> Array:
+    """Distance [m] from each point (N, 2) to a polyline (M, 2), M >= 2 -> (N,)."""
+    a, d = line[:-1], np.diff(line, axis=0)
+    to = points[:, None] - a
+    share = np.einsum("nmk,mk->nm", to, d) / np.maximum((d**2).sum(1), 1e-12)
+    nearest = a + np.clip(share, 0, 1)[..., None] * d
+    return np.asarray(np.sqrt(((points[:, None] - nearest) ** 2).sum(2).min(1)))
+
+
+def use_of_plan(trace: DriveTrace, plan: Plan, compliance: ComplianceModel, horizon: float = 15.0) -> PlanUse | None:
+    """How a plan relates to the drive after it; None if nothing was driven within `horizon` [s].
+
+    A path point p is incompliant if the compliance of p' (p seen from the chair) with the input stays below .9 at all
+    later ticks at which p' lies within the look-ahead distance, ahead of the axle (Sec. 3.5.2).
+    """
+    ticks = np.flatnonzero((trace.stamp >= plan.stamp) & (trace.stamp <= plan.stamp + horizon))
+    if len(ticks) < 2:
+        return None
+    pose, stick = trace.pose[ticks], trace.joystick[ticks]
+    to = plan.path[:, None] - pose[None, :, :2]  # (N, T, 2)
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    ahead, left = c * to[..., 0] + s * to[..., 1], -s * to[..., 0] + c * to[..., 1]
+    near = (np.hypot(ahead, left) <= LOOK_AHEAD) & (ahead > 0)
+    compliant = np.zeros(len(plan.path), bool)
+    point, tick = np.nonzero(near)
+    if len(point):
+        values = compliance.compliance_many(np.stack([ahead[near], left[near]], 1), stick[tick])
+        np.logical_or.at(compliant, point, values >= COMPLIANT_FROM)
+    length = np.r_[0, np.cumsum(np.hypot(*np.diff(plan.path, axis=0).T))]
+    first_bad = int(np.argmin(compliant)) if not compliant.all() else len(compliant)
+    return PlanUse(
+        compliant=compliant,
+        deviation=_nearest_on_polyline(plan.path, pose[:, :2]),
+        compliant_length=float(length[max(first_bad - 1, 0)]) if first_bad else 0.0,
+    )
+
+
+@dataclass(frozen=True)
+class FrameworkMetrics:
+    """One assisted run (Table 3.3)."""
+
+    obedience: float
+    """exp(-.003 |alpha|), alpha the mean angular error [deg] below (Li et al. 2011)"""
+    angular_error: float
+    """[deg] what lies behind the obedience: exp(-.003 |alpha|) never falls under .583 (ERRATA 23)"""
+    path_compliance: float
+    """share of path points that were compliant"""
+    compliant_length: float
+    """[m] mean over plans"""
+    path_rmse: float
+    """[m] of compliant path points against the way driven"""
+    replans_per_metre: float
+    """[1/m]"""
+    plans: int
+
+
+def goal_errors(trace: DriveTrace) -> Array:
+    """|alpha| [deg] at the last compliant tick of each plan: between the chair's heading and the bearing of g* there.
+
+    Goals closer than .3 m have no bearing and are left out.
+    """
+    errors = []
+    for k, plan in enumerate(trace.plans):
+        until = trace.plans[k + 1].stamp if k + 1 < len(trace.plans) else np.inf
+        ticks = np.flatnonzero((trace.stamp >= plan.stamp) & (trace.stamp < until))
+        good = ticks[trace.compliance[ticks] >= COMPLIANT_FROM]
+        if not len(good) or not np.isfinite(trace.goal[ticks[0]]).all():
+            continue
+        x, y, yaw = trace.pose[good[-1]]
+        dx, dy = trace.goal[ticks[0]] - (x, y)
+        if np.hypot(dx, dy) >= 0.3:
+            errors.append(abs(np.degrees(wrap_angle(np.arctan2(dy, dx) - yaw))))
+    return np.array(errors)
+
+
+def framework_metrics(trace: DriveTrace, compliance: ComplianceModel, every: int = 1) -> FrameworkMetrics:
+    """Metrics of an assistant's plans in a run; with `every` > 1 only each such plan is looked at."""
+    uses = [use for plan in trace.plans[::every] if (use := use_of_plan(trace, plan, compliance)) is not None]
+    errors = goal_errors(trace)
+    if not uses:
+        nan = float("nan")
+        return FrameworkMetrics(nan, nan, nan, nan, nan, 0.0, 0)
+    compliant = np.concatenate([use.compliant for use in uses])
+    deviation = np.concatenate([use.deviation for use in uses])[compliant]
+    return FrameworkMetrics(
+        obedience=float(np.exp(-0.003 * errors).mean()) if len(errors) else float("nan"),
+        angular_error=float(errors.mean()) if len(errors) else float("nan"),
+        path_compliance=float(compliant.mean()),
+        compliant_length=float(np.mean([use.compliant_length for use in uses])),
+        path_rmse=float(np.sqrt((deviation**2).mean())) if len(deviation) else float("nan"),
+        replans_per_metre=len(trace.plans) / max(distance(trace.pose), 1e-9),
+        plans=len(trace.plans),
+    )

@@ -1,0 +1,73 @@
+"""Intervals and paired tests for study tables; every figure with its n, spread and seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A sample in figures. NaN values are left out of everything but `missing`."""
+
+    n: int
+    missing: int
+    mean: float
+    sd: float
+    low: float
+    """of the 95 % interval of the mean"""
+    high: float
+
+
+def summarise(values: ArrayLike) -> Summary:
+    """Mean, standard deviation (n - 1) and Student's 95 % interval of the mean of values (n,)."""
+    x = np.asarray(values, float)
+    good = x[np.isfinite(x)]
+    n = len(good)
+    if n == 0:
+        return Summary(0, len(x), *[float("nan")] * 4)
+    mean = float(good.mean())
+    if n == 1:
+        return Summary(1, len(x) - 1, mean, float("nan"), float("nan"), float("nan"))
+    sd = float(good.std(ddof=1))
+    half = float(stats.t.ppf(0.975, n - 1)) * sd / np.sqrt(n)
+    return Summary(n, len(x) - n, mean, sd, mean - half, mean + half)
+
+
+def proportion(successes: int, n: int) -> tuple[float, float, float]:
+    """Share and Wilson's 95 % interval of `successes` out of `n`."""
+    if not 0 <= successes <= n or n == 0:
+        raise ValueError(f"successes is {successes} of n {n}, must lie in 0..n with n >= 1")
+    interval = stats.binomtest(successes, n).proportion_ci(0.95, "wilson")
+    return successes / n, float(interval.low), float(interval.high)
+
+
+@dataclass(frozen=True)
+class PairedTest:
+    """Wilcoxon's signed-rank test of paired differences b - a."""
+
+    n: int
+    difference: float
+    """mean of b - a"""
+    p: float
+    """two-sided; 1 if all differences vanish, NaN for fewer than 2 pairs"""
+
+
+def paired_test(a: ArrayLike, b: ArrayLike) -> PairedTest:
+    """Tests values (n,) of two arms, paired by position; pairs with a NaN are left out."""
+    x, y = np.asarray(a, float), np.asarray(b, float)
+    if x.shape != y.shape:
+        raise ValueError(f"paired samples have shapes {x.shape} and {y.shape}, must be equal")
+    good = np.isfinite(x) & np.isfinite(y)
+    difference = y[good] - x[good]
+    n = len(difference)
+    if n < 2:
+        return PairedTest(n, float(difference.mean()) if n else float("nan"), float("nan"))
+    if not difference.any():
+        return PairedTest(n, 0.0, 1.0)
+    return PairedTest(n, float(difference.mean()), float(stats.wilcoxon(difference).pvalue))

@@ -1,0 +1,282 @@
+"""The assistants: none, DWA (App. E.2) and learned local intention (Ch. 3); one update a tick.
+
+An assistant sees scan, odometry and joystick, nothing else. Its whole state is what it remembers of those.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.control import (
+    DynamicWindowConfig,
+    PurePursuitResult,
+    Supervisor,
+    SupervisorConfig,
+    pure_pursuit,
+    solve_dynamic_window,
+    time_to_contact,
+)
+from lfdcore.geometry import Pose2, Twist2, integrate
+from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
+from lfdcore.simulation import joystick_to_twist
+from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.path_planner import PathPlanner, PlannedPath, PlannerConfig
+
+STOP = Twist2(0.0, 0.0)
+
+
+class Assistant(Protocol):
+    """What the chair asks for its next command."""
+
+    name: str
+
+    def reset(self) -> None:
+        """Forgets everything about the drive so far."""
+
+    def update(self, observation: Observation) -> Assistance:
+        """The command for this tick."""
+
+
+class Unassisted:
+    """The joystick drives the chair."""
+
+    name = "none"
+
+    def __init__(self, chair: ChairGeometry | None = None) -> None:
+        self.chair = chair or ChairGeometry()
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def update(self, observation: Observation) -> Assistance:
+        """The joystick's twist."""
+        return Assistance(joystick_to_twist(*observation.joystick, self.chair.limits), "user")
+
+
+class Surroundings:
+    """What is around the chair: a rolling map of recent scans, since the LIDAR never sees beside the body."""
+
+    def __init__(self, chair: ChairGeometry, duration: float) -> None:
+        self._chair = chair
+        self._map = RollingMap(duration)
+
+    def clear(self) -> None:
+        """Forgets all scans."""
+        self._map.clear()
+
+    def see(self, observation: Observation) -> ObstaclePoints:
+        """Takes in a scan; -> obstacle points in base_link."""
+        self._map.insert(observation.stamp, observation.scan, self._chair.T_base_laser, observation.pose)
+        return self._map.obstacles(observation.pose)
+
+    def grid(self, observation: Observation) -> OccupancyGrid:
+        """-> local grid around base_link."""
+        return self._map.local_grid(observation.pose)
+
+
+class DynamicWindowAssistant:
+    """DWA towards the user's input projected ahead (Sec. 3.5, Alg. 8): the reactive baseline."""
+
+    name = "dwa"
+
+    def __init__(
+        self,
+        chair: ChairGeometry | None = None,
+        config: DynamicWindowConfig | None = None,
+        projection: float = 1.0,
+        map_duration: float = 30.0,
+    ) -> None:
+        self.chair = chair or ChairGeometry()
+        self.config = config or DynamicWindowConfig()
+        self.projection = projection  # [s]: "forward projecting the user's input by one second" (Sec. 3.5)
+        self._surroundings = Surroundings(self.chair, map_duration)
+
+    def reset(self) -> None:
+        """Forgets all scans."""
+        self._surroundings.clear()
+
+    def update(self, observation: Observation) -> Assistance:
+        """The twist whose end point comes nearest to the projected input."""
+        obstacles = self._surroundings.see(observation)
+        wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
+        goal = integrate(Pose2(), wanted, self.projection)
+        found = solve_dynamic_window(
+            observation.twist,
+            np.array([goal.x, goal.y]),
+            obstacles,
+            self.chair.footprint,
+            self.chair.limits,
+            self.config,
+        )
+        ahead = observation.pose * goal
+        end = (float(found.end_point[0]), float(found.end_point[1]))
+        return Assistance(found.twist, "dwa", goal=(ahead.x, ahead.y), control_point=end)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveAssistantConfig:
+    """How the learned assistant drives. The printed values are those of `thesis()`."""
+
+    planner: PlannerConfig = field(default_factory=PlannerConfig)
+    compliance_threshold: float = 0.9
+    """Below it a new path is requested (Sec. 3.4.3)."""
+    replan_after: float = 0.5
+    """[s] A path is renewed at the latest after this, or long turns that look compliant circle; printed: never."""
+    map_duration: float = 30.0
+    """Memory of the rolling map [s]; printed: the present scan only."""
+    dead_zone: float = 0.05
+    """A joystick displaced less than this is at rest: stop."""
+    reverse_from: float = np.radians(100)
+    """Inputs at least this far [rad] from straight ahead are the user's own business (reversing), supervised."""
+    stale_after: float = 0.5
+    """A scan older than this [s]: stop."""
+    no_path_share: float = 0.6
+    """Without a path: the user's own input times this, supervised; printed: stop."""
+    slow_within: float = 1.5
+    """With contact ahead in less than this [s] on the present arc, slow in proportion; 0: never (printed)."""
+    slowest_share: float = 0.35
+    """... but not below this share."""
+    supervisor: SupervisorConfig | None = field(default_factory=SupervisorConfig)
+    """None: no supervisor (printed)."""
+
+    @staticmethod
+    def thesis() -> DriveAssistantConfig:
+        """The printed loop, which drives into things (docs/decisions.md)."""
+        return DriveAssistantConfig(
+            planner=PlannerConfig.thesis(),
+            replan_after=float("inf"),
+            map_duration=0.0,
+            no_path_share=0.0,
+            slow_within=0.0,
+            supervisor=None,
+        )
+
+
+@dataclass
+class _Track:
+    """The path being followed."""
+
+    planned: PlannedPath
+    stamp: float
+    path_odom: NDArray[np.float64]
+    goal_odom: tuple[float, float]
+
+
+class DriveAssistant:
+    """Learned local intention, primitives and paths (Ch. 3): plan, track, let go at once when the driver disagrees."""
+
+    def __init__(
+        self,
+        model: DriveAssistantModel,
+        chair: ChairGeometry | None = None,
+        config: DriveAssistantConfig | None = None,
+        name: str = "primitives",
+    ) -> None:
+        self.name = name
+        self.model = model
+        self.chair = chair or ChairGeometry()
+        self.config = config or DriveAssistantConfig()
+        self.planner = PathPlanner(model, self.config.planner, self.chair)
+        self._surroundings = Surroundings(self.chair, self.config.map_duration)
+        self._supervisor = (
+            None
+            if self.config.supervisor is None
+            else Supervisor(self.chair.footprint, self.chair.limits, self.config.supervisor)
+        )
+        self._track: _Track | None = None
+
+    def reset(self) -> None:
+        """Forgets all scans and the path."""
+        self._surroundings.clear()
+        self._track = None
+
+    def update(self, observation: Observation) -> Assistance:
+        """Joystick at rest or a stale scan: stop. Reversing: the user's own. Else: along a path to the intention."""
+        if observation.stamp - observation.scan_stamp > self.config.stale_after:
+            self._track = None
+            return Assistance(STOP, "stale")
+        obstacles = self._surroundings.see(observation)
+        forward, left = observation.joystick
+        if np.hypot(forward, left) < self.config.dead_zone:
+            self._track = None
+            return Assistance(STOP, "rest")
+        if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
+            self._track = None
+            return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
+        planned = self._replan(observation, obstacles)
+        if self._track is None:
+            own = self._own(observation, self.config.no_path_share)
+            return self._supervised(Assistance(own, "no_path"), observation, obstacles)
+        return self._supervised(self._follow(self._track, observation, obstacles, planned), observation, obstacles)
+
+    def _own(self, observation: Observation, share: float) -> Twist2:
+        wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
+        return Twist2(wanted.linear * share, wanted.angular * share)
+
+    def _replan(self, observation: Observation, obstacles: ObstaclePoints) -> bool:
+        """Keeps a path that is fresh, compliant and not at its end; else asks for a new one. True if there is one."""
+        if self._track is not None and not self._due(self._track, observation):
+            return False
+        planned = self.planner.plan(observation, self._surroundings.grid(observation), obstacles)
+        self._track = None if planned is None else _track(planned, observation)
+        return planned is not None
+
+    def _due(self, track: _Track, observation: Observation) -> bool:
+        if observation.stamp - track.stamp >= self.config.replan_after - 1e-9:
+            return True
+        pursuit = self._pursue(track, observation)
+        return pursuit.at_end or self._compliance(pursuit, observation) < self.config.compliance_threshold
+
+    def _compliance(self, pursuit: PurePursuitResult, observation: Observation) -> float:
+        return self.model.compliance.compliance(pursuit.control_point, np.array(observation.joystick))
+
+    def _pursue(self, track: _Track, observation: Observation) -> PurePursuitResult:
+        """|v| <= vmax |stick| and |w| <= wmax |stick| (Sec. 3.4.2)."""
+        share = min(1.0, float(np.hypot(*observation.joystick)))
+        limits = self.chair.limits
+        return pure_pursuit(
+            track.path_odom,
+            observation.pose,
+            track.planned.look_ahead,
+            limits.max_linear * share,
+            limits.max_angular * share,
+        )
+
+    def _follow(self, track: _Track, observation: Observation, obstacles: ObstaclePoints, planned: bool) -> Assistance:
+        pursuit = self._pursue(track, observation)
+        share = self._slow_share(pursuit.twist, obstacles)
+        point = (float(pursuit.control_point[0]), float(pursuit.control_point[1]))
+        return Assistance(
+            command=Twist2(pursuit.twist.linear * share, pursuit.twist.angular * share),
+            mode="path",
+            path=track.path_odom,
+            planned=planned,
+            goal=track.goal_odom,
+            likelihood=track.planned.likelihood,
+            compliance=self._compliance(pursuit, observation),
+            control_point=point,
+        )
+
+    def _slow_share(self, twist: Twist2, obstacles: ObstaclePoints) -> float:
+        within = self.config.slow_within
+        if within <= 0:
+            return 1.0
+        until = time_to_contact(twist, obstacles, self.chair.footprint, within)
+        return float(np.clip(until / within, self.config.slowest_share, 1.0))
+
+    def _supervised(self, said: Assistance, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        if self._supervisor is None:
+            return said
+        allowed = self._supervisor.filter(said.command, observation.twist, obstacles)
+        return replace(said, command=allowed.twist, supervised=allowed.changed)
+
+
+def _track(planned: PlannedPath, observation: Observation) -> _Track:
+    goal = observation.pose.transform(np.array([planned.goal]))[0]
+    path = observation.pose.transform(planned.path)
+    return _Track(planned, observation.stamp, path, (float(goal[0]), float(goal[1])))

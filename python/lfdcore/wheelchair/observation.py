@@ -1,0 +1,94 @@
+"""What an assistant gets to see and what it answers: scan, odometry and joystick in; a command and its reasons out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
+from lfdcore.grid import LaserScan
+
+if TYPE_CHECKING:
+    from lfdcore.datasets.drive_log import DriveLog
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChairGeometry:
+    """The chair as an assistant knows it."""
+
+    footprint: Footprint = field(default_factory=Footprint)
+    limits: MotionLimits = field(default_factory=MotionLimits)
+    T_base_laser: Pose2 = field(default_factory=lambda: Pose2(0.70, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One tick of the chair's sensors. Nothing of the world but this reaches an assistant."""
+
+    stamp: float
+    """Now [s]."""
+    scan: LaserScan
+    scan_stamp: float
+    """When the scan was taken [s]; an assistant stops on a stale one."""
+    pose: Pose2
+    """T_odom_base by odometry."""
+    twist: Twist2
+    """By odometry [m/s, rad/s]."""
+    joystick: tuple[float, float]
+    """(forward, left), each in [-1, 1]."""
+
+    def __post_init__(self) -> None:
+        numbers = (self.stamp, self.scan_stamp, *self.pose, *self.twist, *self.joystick)
+        if not np.isfinite(numbers).all():
+            raise ValueError(f"an observation must be finite, has {numbers}")
+        if max(map(abs, self.joystick)) > 1 + 1e-6:
+            raise ValueError(f"joystick is {self.joystick}, must lie in [-1, 1] on both axes")
+
+
+@dataclass(frozen=True)
+class Assistance:
+    """An assistant's answer to one observation."""
+
+    command: Twist2
+    """What the chair is to do [m/s, rad/s]."""
+    mode: str
+    """Who decided: 'user', 'path', 'no_path', 'reverse', 'rest', 'stale' or 'dwa'."""
+    path: NDArray[np.float64] | None = None
+    """(N, 2) [m] in odom: the path being followed, None without one."""
+    planned: bool = False
+    """True on the tick at which `path` was made."""
+    goal: tuple[float, float] | None = None
+    """The inferred intention g* [m] in odom."""
+    likelihood: float = 0.0
+    """Of the goal's cell, normalised over the window."""
+    compliance: float = 1.0
+    """Of the user's input with the control point, in [0, 1] (Sec. 3.4.3)."""
+    control_point: tuple[float, float] | None = None
+    """Of pure pursuit or DWA [m] in base_link."""
+    supervised: bool = False
+    """True if the supervisor changed the command."""
+
+
+def observations(log: DriveLog) -> Iterator[Observation]:
+    """The log as an assistant would have lived it: one observation a scan, with odometry and joystick as last known.
+
+    Scans before the first joystick or odometry record are skipped.
+    """
+    start = max(log.odometry_stamp[0], log.joystick_stamp[0])
+    for index, stamp in enumerate(log.scan_stamp):
+        if stamp < start:
+            continue
+        odometry = np.searchsorted(log.odometry_stamp, stamp, side="right") - 1
+        joystick = np.searchsorted(log.joystick_stamp, stamp, side="right") - 1
+        yield Observation(
+            stamp=float(stamp),
+            scan=log.scan(index),
+            scan_stamp=float(stamp),
+            pose=Pose2(*log.pose[odometry]),
+            twist=Twist2(*log.twist[odometry]),
+            joystick=(float(log.joystick[joystick, 0]), float(log.joystick[joystick, 1])),
+        )

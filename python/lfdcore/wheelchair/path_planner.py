@@ -1,0 +1,166 @@
+"""From the driver's input to a path that the chair's body can follow (Sec. 3.3-3.4.2, ERRATA 19-21).
+
+intention g* -> primitive scaled to it -> reward landscape -> dynamic policy programming -> roll-out of the pursuit
+with the oriented footprint -> where that would touch: hybrid A* to the same end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.control import FootprintRollout, FootprintRolloutConfig
+from lfdcore.geometry import arc_length
+from lfdcore.grid import ObstaclePoints, OccupancyGrid, inflate
+from lfdcore.planning import (
+    DppConfig,
+    DppSolver,
+    GridMdp,
+    HybridAstar,
+    HybridAstarConfig,
+    RewardConfig,
+    greedy_path,
+    path_cells,
+    path_reward,
+)
+from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.observation import ChairGeometry, Observation
+
+START = (50, 50)
+"""(ix, iy) of base_link in the local window."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannerConfig:
+    """How paths are planned. The printed values are those of `thesis()`."""
+
+    reward: RewardConfig = field(default_factory=RewardConfig)
+    dpp: DppConfig = field(default_factory=DppConfig)
+    inflations: tuple[float, ...] = (0.35, 0.30, 0.25)
+    """Radii [m] by which obstacles grow, tried in turn until there is a path; printed: none."""
+    check_footprint: bool = True
+    """Roll the pursuit out with the oriented footprint and repair by hybrid A*; printed: no."""
+    footprint_margin: float = 0.03
+    """Kept around the footprint in the roll-out [m]."""
+    start_clear: float = 0.40
+    """Radius [m] around base_link that is never blocked by inflation, so that a chair beside a wall can plan."""
+    shortest: float = 0.35
+    """Paths shorter than this [m] lead nowhere and are refused."""
+    look_ahead: float = 0.8
+    """Of pure pursuit [m] (Sec. 3.4.2)."""
+    tight_look_ahead: float = 0.3
+    """Of pure pursuit [m] on a path of hybrid A*."""
+    rollout: FootprintRolloutConfig = field(default_factory=FootprintRolloutConfig)
+    hybrid_astar: HybridAstarConfig = field(default_factory=HybridAstarConfig)
+
+    @staticmethod
+    def thesis() -> PlannerConfig:
+        """The printed loop: soft obstacles, K - 1 = 99 sweeps, no inflation, no footprint."""
+        return PlannerConfig(
+            dpp=DppConfig(sweeps=99, blocked=False), inflations=(0.0,), check_footprint=False, start_clear=0.0
+        )
+
+
+@dataclass(frozen=True)
+class PlannedPath:
+    """A path with all that led to it (Fig. 3.8-3.10); frame base_link at the time of planning."""
+
+    path: NDArray[np.float64]
+    """(N, 2) [m]"""
+    source: str
+    """'dpp' or 'hybrid_astar'"""
+    look_ahead: float
+    """For pure pursuit [m]."""
+    goal: tuple[float, float]
+    """g* [m]"""
+    likelihood: float
+    """Of the goal's cell."""
+    primitive: NDArray[np.float64]
+    """(50, 2) [m]"""
+    intention: NDArray[np.float32]
+    """(100, 100) likelihood of each cell"""
+    reward: NDArray[np.float32]
+    """(100, 100)"""
+    rollout: FootprintRollout | None
+    """None if the footprint is not checked."""
+
+
+class PathPlanner:
+    """Plans for one chair; keeps its solvers' memory between calls."""
+
+    def __init__(self, model: DriveAssistantModel, config: PlannerConfig, chair: ChairGeometry) -> None:
+        self.model = model
+        self.config = config
+        self.chair = chair
+        self._dpp = DppSolver(config.dpp)
+        self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
+
+    def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
+        """A path for the driver's input; None if nothing is intended or nothing leads there without contact.
+
+        `grid` and `obstacles` are the rolling map's, in base_link.
+        """
+        joystick = np.array(observation.joystick)
+        intention = self.model.intention.predict(joystick, observation.scan, self.chair.T_base_laser, grid.data == 0)
+        found = self.model.intention.goal(intention)
+        if found is None:
+            return None
+        goal, likelihood = found
+        primitive = self.model.primitives.scaled_to(goal)
+        occupied = grid.occupied_mask()
+        for inflation in self.config.inflations:
+            drawn = self._draw(occupied, grid, primitive, inflation)
+            if drawn is None:
+                continue
+            drivable = self._drivable(drawn[0], obstacles, observation.twist)
+            if drivable is not None:
+                intended = (float(goal[0]), float(goal[1]))
+                return PlannedPath(*drivable, intended, likelihood, primitive, intention, drawn[1])
+        return None
+
+    def _draw(
+        self, occupied: NDArray[np.bool_], grid: OccupancyGrid, primitive: NDArray[np.float64], inflation: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float32]] | None:
+        """The DPP path (Alg. 2) over obstacles grown by `inflation` [m], and its reward; None if it leads nowhere."""
+        blocked = inflate(occupied, inflation, grid.resolution)
+        blocked &= ~self._near_start | occupied
+        cells = path_cells(primitive, grid)
+        free = ~blocked[cells[:, 1], cells[:, 0]]
+        if not free[1:].any():
+            return None
+        cells = cells[: np.flatnonzero(free)[-1] + 1]  # a blocked goal becomes the primitive's last free cell
+        reward = path_reward(blocked, cells, self.config.reward)
+        result = self._dpp.solve(GridMdp(reward, blocked))
+        drawn = greedy_path(result, START, tuple(cells[-1]))
+        path = smooth(np.array(grid.origin) + (drawn.cells + 0.5) * grid.resolution)
+        if arc_length(path)[-1] < self.config.shortest:
+            return None
+        return path, reward
+
+    def _drivable(
+        self, path: NDArray[np.float64], obstacles: ObstaclePoints, twist: Twist2
+    ) -> tuple[NDArray[np.float64], str, float, FootprintRollout | None] | None:
+        """The path if the chair's body can follow it, else hybrid A*'s to the same end, else None."""
+        config = self.config
+        if not config.check_footprint:
+            return path, "dpp", config.look_ahead, None
+        body = self.chair.footprint.grown(config.footprint_margin)
+        rollout = rollout_pursuit(path, obstacles, body, self.chair.limits, twist, config.rollout)
+        if np.isinf(rollout.time_to_contact):
+            return path, "dpp", config.look_ahead, rollout
+        found = self._hybrid_astar.solve(obstacles, self.chair.footprint, Pose2(), path[-1])
+        if not found.found:
+            return None
+        return found.path[:, :2], "hybrid_astar", config.tight_look_ahead, rollout
+
+
+def smooth(path: NDArray[np.float64], half_window: int = 3) -> NDArray[np.float64]:
+    """A grid path (N, 2) without its staircase: a moving average that keeps both ends."""
+    padded = np.vstack([np.repeat(path[:1], half_window, 0), path, np.repeat(path[-1:], half_window, 0)])
+    size = 2 * half_window + 1
+    total = np.cumsum(np.vstack([[0.0, 0.0], padded]), axis=0)
+    result = (total[size:] - total[:-size]) / size
+    result[0], result[-1] = path[0], path[-1]
+    return result

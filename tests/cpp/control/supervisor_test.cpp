@@ -1,0 +1,245 @@
+#include "lfdcore/control/supervisor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace lfdcore {
+namespace {
+
+Path wall_ahead(double x) {
+  Path points(81, 2);
+  for (int i = 0; i < 81; ++i) points.row(i) << x, -2 + 0.05 * i;
+  return points;
+}
+
+// Points [m] of a random world: clusters and walls, none within `free` of the origin.
+Path random_world(std::mt19937& random, double free) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<Eigen::Vector2d> kept;
+  for (int wall = 0; wall < 14; ++wall) {
+    const Eigen::Vector2d from(4 * unit(random), 4 * unit(random));
+    const double yaw = pi * unit(random), length = 1 + unit(random);
+    for (double s = 0; s < length; s += 0.03) {
+      const Eigen::Vector2d p = from + s * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
+      if (p.norm() > free) kept.push_back(p);
+    }
+  }
+  Path points(static_cast<Eigen::Index>(kept.size()), 2);
+  for (std::size_t i = 0; i < kept.size(); ++i) points.row(static_cast<Eigen::Index>(i)) = kept[i].transpose();
+  return points;
+}
+
+// The chair itself, integrated in 2 ms steps; counts the steps in which a point is in the footprint.
+struct Chair {
+  Pose2 pose;
+  Twist2 twist;
+  double least_clearance = 1e9;
+  int every = 5;
+
+  void drive(const Twist2& command, double duration, const ObstaclePoints& world, const MotionLimits& limits) {
+    const int steps = static_cast<int>(std::lround(duration / 0.002));
+    for (int i = 0; i < steps; ++i) {
+      const Twist2 next = approach(twist, command, limits, 0.002);
+      pose = integrate(pose, {(twist.linear + next.linear) / 2, (twist.angular + next.angular) / 2}, 0.002);
+      twist = next;
+      if (i % every == 0) least_clearance = std::min(least_clearance, world.clearance(pose, {}));
+    }
+  }
+};
+
+TEST(Supervisor, never_lets_a_point_into_the_footprint_whatever_the_driver_does) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const MotionLimits limits;
+  Supervisor supervisor;
+  int changed = 0, stopped = 0, moving = 0, ticks = 0;
+  double least = 1e9;
+  for (int world = 0; world < 12; ++world) {
+    const Path points = random_world(random, 1.0);
+    const ObstaclePoints obstacles(points);
+    Chair chair;
+    Twist2 wanted;
+    for (int i = 0; i < 300; ++i, ++ticks) {
+      if (i % 7 == 0) wanted = {0.4 + unit(random), 1.3 * unit(random)};  // also beyond the limits
+      const auto result =
+          supervisor.filter(wanted, chair.twist, ObstaclePoints(transform(chair.pose.inverse(), points)));
+      ASSERT_LE(std::abs(result.twist.linear), std::abs(wanted.linear) + 1e-12);
+      ASSERT_LE(result.twist.linear, limits.max_linear);
+      ASSERT_GE(result.twist.linear, -limits.max_reverse);
+      ASSERT_GE(result.twist.linear * wanted.linear, 0);
+      ASSERT_LE(std::abs(result.twist.angular), limits.max_angular);
+      ASSERT_GE(result.scale, 0);
+      changed += result.changed;
+      stopped += result.stopped;
+      chair.drive(result.twist, 0.1, obstacles, limits);
+      ASSERT_GT(chair.least_clearance, 0) << "world " << world << " tick " << i;
+      moving += std::abs(chair.twist.linear) > 0.05;
+    }
+    least = std::min(least, chair.least_clearance);
+  }
+  EXPECT_GT(least, 0.005);  // slow_margin less the tolerance of the swept test
+  EXPECT_GT(changed, ticks / 4);
+  EXPECT_GT(stopped, 20);
+  EXPECT_GT(moving, ticks / 10);
+}
+
+TEST(Supervisor, a_command_is_refused_exactly_when_stopping_takes_more_than_the_room_there_is) {
+  const MotionLimits limits;
+  const SupervisorConfig config;
+  Supervisor supervisor({}, limits, config);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> speed(0.3, 1.0);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double v = speed(random);
+    const double needed = v * config.reaction + v * v / (2 * limits.linear_braking) + config.margin;
+    const auto filter = [&](double room) {
+      return supervisor.filter({v, 0}, {v, 0}, ObstaclePoints(wall_ahead(0.8 + room)));
+    };
+    EXPECT_FALSE(filter(needed + 0.003).changed) << v;
+    EXPECT_TRUE(filter(needed - 0.003).changed) << v;
+  }
+}
+
+TEST(Supervisor, agrees_with_rolling_out_in_millisecond_steps) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const MotionLimits limits;
+  const SupervisorConfig config;
+  Supervisor supervisor;
+  int admissible = 0, refused = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Path points = random_world(random, 0.95);
+    const Twist2 wanted{0.6 + 0.4 * unit(random), unit(random)}, current{0.6 + 0.4 * unit(random), unit(random)};
+    double least = 1e9;  // over both roll-outs, ending in standstill
+    for (const double follow : {config.period, config.reaction}) {
+      Chair chair{{}, current, 1e9, 1};
+      chair.drive(wanted, follow, ObstaclePoints(points), limits);
+      chair.drive({}, 1.0, ObstaclePoints(points), limits);
+      least = std::min(least, chair.least_clearance);
+    }
+    const double margin = std::min(config.margin, ObstaclePoints(points).clearance({}, {}));
+    const auto result = supervisor.filter(wanted, current, ObstaclePoints(points));
+    if (least > margin + 1e-4) EXPECT_FALSE(result.changed) << trial;
+    if (least < margin - 3e-3) EXPECT_TRUE(result.changed) << trial;
+    admissible += least > margin;
+    refused += least < margin;
+  }
+  EXPECT_GT(admissible, 50);
+  EXPECT_GT(refused, 20);
+}
+
+TEST(Supervisor, passes_everything_where_nothing_is_near) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Supervisor supervisor;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Twist2 wanted{unit(random) > 0 ? 0.9 : -0.3, unit(random)};
+    const auto result = supervisor.filter(wanted, {unit(random), unit(random)}, ObstaclePoints(wall_ahead(3.5)));
+    EXPECT_FALSE(result.changed);
+    EXPECT_EQ(result.twist.linear, wanted.linear);
+    EXPECT_EQ(result.twist.angular, wanted.angular);
+    EXPECT_EQ(result.scale, 1);
+  }
+  EXPECT_FALSE(supervisor.filter({1, 1}, {}, {}).changed);
+}
+
+TEST(Supervisor, slows_on_the_same_arc_before_it_tries_another) {
+  Supervisor supervisor;
+  const auto result = supervisor.filter({0.8, 0.2}, {0.4, 0.1}, ObstaclePoints(wall_ahead(0.98)));
+  EXPECT_TRUE(result.changed);
+  EXPECT_GT(result.scale, 0.25);
+  EXPECT_LT(result.scale, 1);
+  EXPECT_NEAR(result.twist.angular / result.twist.linear, 0.25, 1e-12);
+}
+
+TEST(Supervisor, drives_up_to_a_wall_and_stands_at_the_slow_margin) {
+  Supervisor supervisor;
+  const Path wall = wall_ahead(2.5);
+  Chair chair;
+  for (int i = 0; i < 200; ++i) {
+    const auto seen = ObstaclePoints(transform(chair.pose.inverse(), wall));
+    chair.drive(supervisor.filter({0.7, 0}, chair.twist, seen).twist, 0.1, ObstaclePoints(wall), {});
+  }
+  EXPECT_EQ(chair.twist.linear, 0);
+  EXPECT_GT(chair.least_clearance, 0.009);
+  EXPECT_LT(chair.least_clearance, 0.06);  // near enough to dock
+}
+
+TEST(Supervisor, stops_at_a_wall_and_says_so) {
+  Supervisor supervisor;
+  const auto result = supervisor.filter({0.7, 0}, {0.7, 0}, ObstaclePoints(wall_ahead(0.95)));
+  EXPECT_EQ(result.twist.linear, 0);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.scale, 0);
+  EXPECT_FALSE(supervisor.filter({}, {0.7, 0}, ObstaclePoints(wall_ahead(0.95))).stopped);
+}
+
+TEST(Supervisor, can_always_back_out_when_points_are_within_the_margin_or_the_footprint) {
+  Supervisor supervisor;
+  for (const double gap : {0.02, 0.005, 0.0005, 0.0, -0.005, -0.015, -0.1}) {
+    const ObstaclePoints wall(wall_ahead(0.8 + gap));
+    const auto back = supervisor.filter({-0.2, 0}, {}, wall);
+    EXPECT_FALSE(back.changed) << gap;
+    EXPECT_LE(back.margin, std::max(gap, -0.02) + 1e-12) << gap;
+    if (gap <= 0.005) EXPECT_EQ(supervisor.filter({0.3, 0}, {}, wall).twist.linear, 0) << gap;
+  }
+}
+
+TEST(Supervisor, slides_along_a_wall_that_is_within_the_margin) {
+  Path wall(200, 2);
+  for (int i = 0; i < 200; ++i) wall.row(i) << -3 + 0.05 * i, 0.353;  // 3 mm beside the chair
+  Supervisor supervisor;
+  EXPECT_FALSE(supervisor.filter({0.5, 0}, {0.5, 0}, ObstaclePoints(wall)).changed);
+  EXPECT_LE(supervisor.filter({0.5, 0.5}, {0.5, 0}, ObstaclePoints(wall)).twist.angular, 0.05);
+}
+
+TEST(Supervisor, one_point_deep_inside_the_footprint_does_not_open_the_walls) {
+  Path points(82, 2);
+  points << wall_ahead(1.0), Eigen::RowVector2d(0.4, 0.1);  // e.g. the driver's own knee
+  Supervisor supervisor;
+  Chair chair;
+  for (int i = 0; i < 100; ++i) {
+    Path seen = transform(chair.pose.inverse(), points);
+    seen.row(81) << 0.4, 0.1;
+    chair.drive(supervisor.filter({0.7, 0}, chair.twist, ObstaclePoints(seen)).twist, 0.1,
+                ObstaclePoints(wall_ahead(1.0)), {});
+  }
+  EXPECT_LT(chair.pose.x, 0.2 + 0.0201);  // no deeper into the wall than what passes for noise
+}
+
+TEST(Supervisor, the_driver_gets_slower_through_a_narrow_gap_not_stuck) {
+  Path gap(80, 2);  // .84 m wide between two posts rows, chair .70 m: 7 cm each side
+  for (int i = 0; i < 40; ++i) {
+    gap.row(i) << 1.5, 0.42 + 0.05 * i;
+    gap.row(40 + i) << 1.5, -0.42 - 0.05 * i;
+  }
+  Supervisor supervisor;
+  Chair chair;
+  for (int i = 0; i < 150; ++i) {
+    const auto seen = ObstaclePoints(transform(chair.pose.inverse(), gap));
+    chair.drive(supervisor.filter({0.5, 0}, chair.twist, seen).twist, 0.1, ObstaclePoints(gap), {});
+  }
+  EXPECT_GT(chair.pose.x, 3);
+  EXPECT_GT(chair.least_clearance, 0.06);
+}
+
+TEST(Supervisor, refuses_bad_input) {
+  Supervisor supervisor;
+  EXPECT_THROW(supervisor.filter({NAN, 0}, {}, {}), std::invalid_argument);
+  EXPECT_THROW(supervisor.filter({}, {0, INFINITY}, {}), std::invalid_argument);
+  EXPECT_THROW(supervisor.filter({}, {1e6, 0}, {}), std::invalid_argument);
+  SupervisorConfig config;
+  config.reaction = 0.05;
+  EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
+  config = {};
+  config.slow_margin = 0.05;
+  EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
+  MotionLimits limits;
+  limits.linear_braking = 1e-3;
+  EXPECT_THROW(Supervisor({}, limits), std::invalid_argument);
+  EXPECT_THROW(Supervisor({0.8, 0.35, 0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lfdcore

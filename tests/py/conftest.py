@@ -1,0 +1,17 @@
+"""Real data for tests: the folder that LFDCORE_DATA names, or a skip that says so (a failure where CI expects it)."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def data_folder() -> Path:
+    """The folder with real logs and maps."""
+    folder = os.environ.get("LFDCORE_DATA")
+    if folder:
+        return Path(folder)
+    if os.environ.get("LFDCORE_REQUIRE_DATA"):
+        pytest.fail("LFDCORE_REQUIRE_DATA is set, but LFDCORE_DATA is not")
+    pytest.skip("LFDCORE_DATA is not set: no real logs and maps at hand")

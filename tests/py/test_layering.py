@@ -1,0 +1,80 @@
+"""Who may import or include what (docs/architecture.md): arrows point only down."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "python" / "lfdcore"
+FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation"}
+MAY_IMPORT = {
+    **{facade: {"_core"} for facade in FACADES},
+    "datasets": FACADES,
+    "wheelchair": FACADES | {"datasets"},
+    "study": FACADES | {"datasets", "wheelchair"},
+    "cli": FACADES | {"datasets", "wheelchair", "study"},
+}
+VOCABULARY = {"error", "geometry", "path", "motion"}
+MAY_INCLUDE = {
+    "grid": set(),
+    "estimation": set(),
+    "planning": {"grid"},
+    "control": {"grid"},
+    "simulation": {"grid"},
+}
+
+
+def modules() -> list[Path]:
+    return sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
+
+
+def stage(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(path: Path) -> set[str]:
+    """The lfdcore stages that a file imports anywhere, also inside functions and under TYPE_CHECKING."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            assert node.level == 0, f"{path} uses a relative import"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names} | {node.module}
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+    return {name.split(".")[1] for name in names if name.startswith("lfdcore.")}
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_a_python_module_imports_only_from_its_own_stage_and_below(path: Path) -> None:
+    own = stage(path)
+    known = set(MAY_IMPORT) | {"_core", "__version__"}
+    foreign = (imported(path) & known) - MAY_IMPORT[own] - {own, "__version__"}
+    assert not foreign, f"{path.relative_to(ROOT)} imports {sorted(foreign)}"
+
+
+def cpp_files() -> list[Path]:
+    files = [*ROOT.glob("cpp/include/lfdcore/**/*.hpp"), *ROOT.glob("cpp/src/**/*.?pp")]
+    return sorted(p for p in files if "bindings" not in p.parts)
+
+
+@pytest.mark.parametrize("path", cpp_files(), ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_cpp_file_includes_only_its_own_module_and_those_below(path: Path) -> None:
+    text = path.read_text()
+    assert "pybind11" not in text, "only cpp/src/bindings may include pybind11"
+    own = path.parent.name
+    for module, rest in re.findall(r'#include "lfdcore/(\w+)(/[^"]*)?', text):
+        if rest:
+            assert module == own or module in MAY_INCLUDE[own], f"{own} includes {module}{rest}"
+        else:
+            assert module in VOCABULARY
+
+
+def test_importing_lfdcore_needs_neither_scipy_nor_matplotlib_nor_torch() -> None:
+    facades = ", ".join(f"lfdcore.{name}" for name in sorted(FACADES))
+    code = f"import sys, lfdcore, {facades}; print(sorted({{'scipy', 'matplotlib', 'torch', 'cv2'}} & set(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
