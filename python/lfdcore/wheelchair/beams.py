@@ -66,7 +66,7 @@ class BeamGeometry:
 
     def _border_distances(self) -> Floats:
         laser = np.array([self.T_base_laser.x, self.T_base_laser.y])
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             to_lines = np.abs((np.copysign(WINDOW, self._directions) - laser) / self._directions)
         return np.asarray(to_lines.min(axis=1))
 

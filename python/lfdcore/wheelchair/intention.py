@@ -106,6 +106,15 @@ class IntentionModel:
         total = float(image.sum(dtype=np.float64))
         return (image / np.float32(total)) if total > 0 else image
 
+    @staticmethod
+    def goal(likelihood: NDArray[np.float32]) -> tuple[Floats, float] | None:
+        """The likeliest cell of a map (100, 100): its centre (2,) [m] in base_link and its likelihood; ties: the lowest
+        iy, then ix. None for an all-zero map: the driver wants nothing that the demonstrations knew."""
+        best = int(np.argmax(likelihood))
+        if not likelihood.flat[best] > 0:
+            return None
+        return key_centres(np.array([best], dtype=np.int32))[0], float(likelihood.flat[best])
+
     def cell_likelihoods(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats:
         """The networks' bare answers, one a cell of `cells` -> (C,) in [0, 1]; 0 out of sight. See predict."""
         stick = checked_joystick(joystick)
@@ -126,14 +135,6 @@ class IntentionModel:
             beam, distance, covered = geometry.locate(self.centres)
             self._laser = _LaserView(key, beam, distance, covered, geometry.caps[beam])
         return self._laser
-
-
-def goal_of(likelihood: NDArray[np.float32]) -> Floats | None:
-    """The likeliest cell's centre (2,) [m] in base_link (ties: the lowest iy, then ix); None for an all-zero map."""
-    best = int(np.argmax(likelihood))
-    if not likelihood.flat[best] > 0:
-        return None
-    return key_centres(np.array([best], dtype=np.int32))[0]
 
 
 @dataclass(frozen=True)

@@ -336,7 +336,8 @@ def _cut(track: _Track, start: np.intp, end: np.intp, reason: str) -> Floats:
 def _on_border(inside: Floats, outside: Floats) -> Floats:
     limit = WINDOW - 1e-6  # still in the last cell
     step = outside - inside
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = (np.where(step > 0, limit, -limit) - inside) / step
-    share = np.nanmin(np.where((step != 0) & (shares >= 0), shares, np.nan))
-    return np.clip(inside + min(share, 1.0) * step, -limit, limit)
+    over = np.abs(outside) > limit
+    if not over.any():
+        return outside
+    shares = (np.copysign(limit, outside[over]) - inside[over]) / step[over]
+    return np.asarray(np.clip(inside + np.clip(shares, 0.0, 1.0).min() * step, -limit, limit))

@@ -17,13 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
-from lfdcore.wheelchair.intention import goal_of
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:
     from lfdcore.geometry import Pose2
     from lfdcore.grid import LaserScan
-    from lfdcore.wheelchair.drive_model import DriveAssistantModel
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +66,7 @@ class PathPredictor:
         """(points, 2) [m] in base_link from the origin, equally spaced up to `reach`; None where nothing is likely
         (stick at rest, scan without a measurement, nothing like it in the demonstrations)."""
         if self.config.rule == "goal":
-            return self._to_goal(goal_of(self.model.intention.predict(joystick, scan, T_base_laser)))
+            return self._to_goal(self.model.intention.predict(joystick, scan, T_base_laser))
         votes = self.model.intention.cell_likelihoods(joystick, scan, T_base_laser)
         if self.config.edge > 0 and self.model.clearance > 0 and votes.any():
             votes = votes * self._free(scan, T_base_laser)
@@ -77,10 +76,11 @@ class PathPredictor:
         median = geometric_median(self._paths[voters], votes[voters], self.config.iterations)
         return along(median, self.config.reach, self.config.points)
 
-    def _to_goal(self, goal: Floats | None) -> Floats | None:
-        if goal is None:
+    def _to_goal(self, likelihood: NDArray[np.float32]) -> Floats | None:
+        found = self.model.intention.goal(likelihood)
+        if found is None:
             return None
-        return along(self.model.primitives.scaled_to(goal), self.config.reach, self.config.points)
+        return along(self.model.primitives.scaled_to(found[0]), self.config.reach, self.config.points)
 
     def _free(self, scan: LaserScan, T_base_laser: Pose2) -> Floats:
         clearance = clearance_field(scan, T_base_laser).ravel()[self._cells].min(axis=1)

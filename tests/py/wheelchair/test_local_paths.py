@@ -99,7 +99,7 @@ def wiggly_log(seed):
 
 def test_agrees_with_a_slow_reading_of_the_criteria_scan_by_scan():
     reasons = set()
-    for seed in range(6):
+    for seed in range(4):
         log = wiggly_log(seed)
         slow = slow_ends(log)
         fast = extract_local_paths(log)
@@ -176,8 +176,8 @@ def test_a_gap_in_the_odometry_and_creeping_give_no_path_and_are_counted():
     paths = extract_local_paths(log_of(gap, poses, stick, FAR_WALLS))
     assert paths.dropped["gap"] >= 10
     assert (paths.stamp > 5).all() or not len(paths)
-    creeping = drive([(200, 0.03, 0.0)])
-    assert extract_local_paths(log_of(*creeping, FAR_WALLS)).dropped["time"] > 1000
+    stamps, poses, _ = drive([(200, 0.03, 0.0)])
+    assert extract_local_paths(log_of(stamps, poses, np.ones((len(stamps), 2)), FAR_WALLS)).dropped["time"] > 1000
 
 
 def test_short_paths_and_starts_without_input_are_dropped_and_counted():
@@ -203,10 +203,15 @@ def test_the_goals_beam_is_the_argmin_over_all_angles_and_capped_at_the_window()
         assert paths.beam_range[i] == pytest.approx(min(log.ranges[scan, beam], to_border), abs=1e-5)
 
 
-def test_clearance_is_the_distance_from_the_path_to_the_walls_in_sight():
-    paths = extract_local_paths(corner_drive())
-    straight = paths.clearance[(np.abs(paths.goal[:, 1]) < 1e-6) & (paths.reason == "window")]
-    np.testing.assert_allclose(straight, 1.0, atol=0.05)
+def test_clearance_is_the_distance_from_the_path_to_what_its_scan_hit():
+    log = corner_drive()
+    paths = extract_local_paths(log)
+    angles = log.angle_min + log.angle_increment * np.arange(181)
+    for i in range(0, len(paths), 9):
+        ranges = log.ranges[int(np.searchsorted(log.scan_stamp, paths.stamp[i]))].astype(float)
+        hits = T_BASE_LASER.transform(np.stack([ranges * np.cos(angles), ranges * np.sin(angles)], 1))
+        slow = min(np.hypot(*(hit - point)) for hit in hits for point in paths.paths[i])
+        assert paths.clearance[i] == pytest.approx(slow, abs=1e-6)
 
 
 def test_mirrored_paths_are_what_the_mirrored_drive_gives():

@@ -1,0 +1,51 @@
+"""Arrays and a JSON header in one file: safetensors whose only metadata entry is JSON with sorted keys.
+
+No pickle; the same model gives the same bytes. Reading refuses what it cannot use with ModelError.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+
+from lfdcore.errors import ModelError
+
+_KEY = "lfdcore"  # one entry only: safetensors does not keep the order of several
+Tensors = dict[str, NDArray[Any]]
+
+
+def write_tensor_file(
+    path: str | os.PathLike[str], kind: str, version: int, header: dict[str, Any], tensors: Tensors
+) -> None:
+    """Writes the arrays and a JSON header (plus kind and version) to `path`, replacing it in one step."""
+    text = json.dumps({**header, "format": kind, "version": version}, sort_keys=True, allow_nan=False)
+    data = save({name: np.ascontiguousarray(array) for name, array in tensors.items()}, metadata={_KEY: text})
+    target = Path(path)
+    part = target.with_name(target.name + ".part")
+    part.write_bytes(data)
+    os.replace(part, target)
+
+
+def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> tuple[dict[str, Any], Tensors]:
+    """-> header, arrays. ModelError for a file that is truncated, garbled, of another kind or version; OSError if it
+    cannot be opened."""
+    with Path(path).open("rb"):  # a missing file is the system's own error
+        pass
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            header = json.loads((file.metadata() or {}).get(_KEY, "null"))
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (SafetensorError, ValueError, OSError) as broken:
+        raise ModelError(f"{path} is not a model file or is damaged: {broken}") from broken
+    if not isinstance(header, dict) or header.get("format") != kind:
+        raise ModelError(f"{path} does not hold a {kind} model")
+    if header.get("version") != version:
+        raise ModelError(f"{path} has format version {header.get('version')}, this lfdcore reads version {version}")
+    return header, tensors
