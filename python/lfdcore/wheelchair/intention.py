@@ -44,7 +44,7 @@ class IntentionConfig:
     max_centres: int = 20
     frequency: float = 0.5
     floor: float = 0.01
-    blur: float = 1.5
+    blur: float = 3.0
     slack: float = 0.05
     dead_zone: float = 0.05
     mirror: bool = True

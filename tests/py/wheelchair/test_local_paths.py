@@ -10,7 +10,6 @@ from lfdcore.wheelchair.local_paths import (
     LocalPathConfig,
     LocalPaths,
     extract_local_paths,
-    inferred_joystick,
 )
 
 FAR_WALLS = np.array(
@@ -226,16 +225,6 @@ def test_mirrored_paths_are_what_the_mirrored_drive_gives():
     np.testing.assert_allclose(a.end_yaw, b.end_yaw, atol=1e-9)
 
 
-def test_a_missing_joystick_is_inferred_from_the_past_only():
-    stamps, poses, _ = drive([(4, 0.5, 0.0), (4, 0.5, 0.5)])
-    log = log_of(stamps, poses, walls=FAR_WALLS)
-    inferred = inferred_joystick(log, stamps)
-    np.testing.assert_allclose(inferred[38], [1.0, 0.0], atol=1e-6)
-    np.testing.assert_allclose(inferred[60], [1.0, 1.0], atol=0.02)
-    cut = log_of(stamps[:41], poses[:41], walls=FAR_WALLS)
-    np.testing.assert_allclose(inferred_joystick(cut, stamps[10:40])[:, 0], inferred[10:40, 0], atol=1e-6)
-
-
 def test_scans_with_nan_everywhere_are_dropped_and_single_nan_beams_are_bridged():
     log = corner_drive()
     whole = extract_local_paths(log)
@@ -253,6 +242,7 @@ def test_scans_with_nan_everywhere_are_dropped_and_single_nan_beams_are_bridged(
     [
         ({"scan_stamp": np.zeros(0), "ranges": np.zeros((0, 181), np.float32)}, "0 scans"),
         ({"odometry_stamp": np.zeros(1), "pose": np.zeros((1, 3))}, "1 odometry samples"),
+        ({"joystick_stamp": np.zeros(0), "joystick": np.zeros((0, 2))}, "no joystick; .*joystick_from_motion"),
         ({"ranges": np.zeros((5, 181), np.float32)}, r"ranges of shape \(5, 181\)"),
         ({"ranges": np.zeros((101, 0), np.float32)}, r"ranges of shape \(101, 0\)"),
     ],
