@@ -30,7 +30,7 @@ def numba_dda(
     for i in range(angles.size):
         dx, dy = math.cos(yaw + angles[i]), math.sin(yaw + angles[i])
         cx, cy = x / resolution, y / resolution
-        ix, iy = int(math.floor(cx)), int(math.floor(cy))
+        ix, iy = math.floor(cx), math.floor(cy)
         sx, sy = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
         step_x, step_y = abs(1 / dx) if dx != 0 else np.inf, abs(1 / dy) if dy != 0 else np.inf
         t_x = ((ix + 1 - cx) if dx > 0 else (cx - ix)) * step_x
@@ -75,7 +75,7 @@ def free_poses(occupied: Mask, seed: int) -> list[Pose2]:
     return [Pose2(x, y, yaw) for (x, y), yaw in zip(at, rng.uniform(-3, 3, POSES), strict=True)]
 
 
-def seconds(cast: Callable[[Pose2], Ranges], poses: list[Pose2]) -> float:
+def seconds_a_scan(cast: Callable[[Pose2], Ranges], poses: list[Pose2]) -> float:
     start = time.perf_counter()
     for pose in poses:
         cast(pose)
@@ -96,11 +96,12 @@ def compare(name: str, occupied: Mask, beams: int, field_of_view: float) -> None
     agree = np.concatenate([np.isclose(ours(p), rival(p), rtol=1e-5, atol=1e-5) for p in poses])
     # A ray within rounding (1e-12 cells) of a corner may pass it on either side.
     assert agree.mean() > 1 - 1e-4, f"{(~agree).sum()} of {agree.size} ranges differ"
-    times = [(seconds(ours, poses), seconds(rival, poses)) for _ in range(REPEATS)]
+    times = [(seconds_a_scan(ours, poses), seconds_a_scan(rival, poses)) for _ in range(REPEATS)]
     mine, theirs = (statistics.median(column) for column in zip(*times, strict=True))
     print(
-        f"{name}: {occupied.shape[1]} x {occupied.shape[0]} cells, {beams} beams, threads=1: RayCaster {mine * 1e6:.1f} us, "
-        f"numba DDA {theirs * 1e6:.1f} us, ratio {theirs / mine:.2f}; {(~agree).sum()} of {agree.size} ranges differ"
+        f"{name}: {occupied.shape[1]} x {occupied.shape[0]} cells, {beams} beams, threads=1: "
+        f"RayCaster {mine * 1e6:.1f} us, numba DDA {theirs * 1e6:.1f} us, ratio {theirs / mine:.2f}; "
+        f"{(~agree).sum()} of {agree.size} ranges differ"
     )
 
 

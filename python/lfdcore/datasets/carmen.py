@@ -34,6 +34,8 @@ def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_ma
     holds no velocities: the twist is the mean over the last half second. T_base_laser is the identity unless told.
     DataError with the line for garbled, truncated or empty logs and other numbers of beams.
     """
+    if range_max is not None and not 0 < range_max < math.inf:
+        raise ValueError(f"range_max is {range_max} m, must be positive")
     path = Path(path)
     lines = _Lines(path)
     for number, words in _numbered_lines(path):
@@ -52,7 +54,8 @@ def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_ma
 def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | None) -> DriveLog:
     readings = np.array(lines.scans)
     finite = readings[np.isfinite(readings)]
-    far = range_max or (_FAR if finite.size and finite.max() > 51.2 else _NEAR)
+    far = _FAR if finite.size and finite.max() > 51.2 else _NEAR
+    far = far if range_max is None else range_max
     beams = readings.shape[1]
     odometry = lines.sorted_odometry()
     pose = np.c_[odometry[:, 1:3], np.unwrap(odometry[:, 3])]

@@ -324,12 +324,13 @@ class DriveLogWriter:
         about = {"format": FORMAT, "lfdcore": lfdcore.__version__, "name": name}
         self._note("lfdcore", about | {"T_base_laser": _text(*T_base_laser)})
         self.note(metadata or {})
-        self._channels = {topic: self._register(topic, kind) for topic, kind in ros.TOPICS.items()}
+        self._channels = self._register()
         self._write("/tf_static", 0, ros.transform_message(0, "base_link", "laser", T_base_laser))
 
-    def _register(self, topic: str, message_type: str) -> int:
-        schema = self._mcap.register_schema(message_type, "ros2msg", ros.schema(message_type))
-        return int(self._mcap.register_channel(topic, "cdr", schema))
+    def _register(self) -> dict[str, int]:
+        kinds = dict.fromkeys(ros.TOPICS.values())
+        schemas = {kind: self._mcap.register_schema(kind, "ros2msg", ros.schema(kind)) for kind in kinds}
+        return {topic: self._mcap.register_channel(topic, "cdr", schemas[kind]) for topic, kind in ros.TOPICS.items()}
 
     def _note(self, record: str, values: dict[str, str]) -> None:
         self._mcap.add_metadata(record, values)

@@ -120,9 +120,11 @@ class _Archive:
 
     def read_object(self, *wanted: str) -> tuple[str, Any]:
         """(class, content) of the next object; ValueError if it is unknown or none of `wanted`"""
+        place = self.place
         (flag,) = self._values("B")
         name = self._take(flag & 0x7F).decode("ascii", "replace")
         if flag <= _EMPTY or name not in self._readers or (wanted and name not in wanted):
+            self.place = place
             raise ValueError(f"expected {' or '.join(wanted or self._readers)}, found {name!r}")
         (version,) = self._values("B")
         content = self._readers[name](version)
@@ -204,7 +206,7 @@ class _Archive:
 
     def _pose_2d(self, version: int) -> Pose2:
         _require_version("CPose2D", version, 0, 1)
-        return Pose2(*self._values("fff" if version == 0 else "ddd"))
+        return _finite(Pose2(*self._values("fff" if version == 0 else "ddd")))
 
     def _matrix(self, version: int) -> NDArray[np.float64]:
         _require_version("CMatrixD", version, 0, 0)
@@ -222,6 +224,12 @@ def _require_version(name: str, version: int, lowest: int, highest: int) -> None
 def _level(pose: Pose2, cosine_of_tilt: float) -> Pose2:
     if not cosine_of_tilt > 1 - 1e-6:
         raise ValueError(f"the sensor is tilted (cosine {cosine_of_tilt}), must lie level")
+    return _finite(pose)
+
+
+def _finite(pose: Pose2) -> Pose2:
+    if not np.isfinite([*pose]).all():
+        raise ValueError(f"a pose is {pose}, must be finite")
     return pose
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -54,7 +55,7 @@ def _header(nanoseconds: int, frame: str) -> Any:
 
 
 def _rotation(yaw: float) -> Any:
-    return _types()["Quaternion"](x=0.0, y=0.0, z=float(np.sin(yaw / 2)), w=float(np.cos(yaw / 2)))
+    return _types()["Quaternion"](x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
 
 
 def _pose(x: float, y: float, yaw: float) -> Any:
@@ -171,7 +172,7 @@ def deserialize(data: bytes, message_type: str) -> Any:
 def yaw_of(rotation: Any) -> float:
     """Heading [rad] of a quaternion message."""
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
-    return float(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def pose_values(pose: Any) -> tuple[float, float, float]:

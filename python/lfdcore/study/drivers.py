@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import map_coordinates
 
-from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, wrap_angle
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, integrate, wrap_angle
 from lfdcore.study.courses.course import Course
 from lfdcore.study.courses.routes import clearance_field
 from lfdcore.study.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
@@ -84,7 +84,7 @@ class AbleConfig(DriverConfig):
     delay: float = 0.4
     noise_sd: float = 0.10
     noise_correlation: float = 0.85
-    slowest: float = 0.4
+    slowest: float = 0.5
     notice_time: float = 1.0  # how far ahead it sees that its movement will hit [s]
 
 
@@ -182,7 +182,7 @@ class Driver(ABC):
         Raises ValueError for a stamp that does not rise or a pose or twist that is not finite.
         """
         self._check(stamp, pose, twist)
-        self._stamp = stamp
+        self._stamp, self._felt = stamp, twist
         noise = self._draw()
         seen = self._view.see(stamp, pose)
         self._tracker.advance(seen.x, seen.y)
@@ -224,7 +224,7 @@ class Driver(ABC):
         return float(wrap_angle(math.atan2(dy, dx) - seen.yaw)), math.hypot(dx, dy)
 
     def _magnitude(self, seen: Pose2) -> float:
-        """The stick's magnitude: less where it is tight, and before the end of a route, where the driver has to stop."""
+        """The stick's magnitude: less where it is tight, and before the end of a route, where the driver must stop."""
         speed = self.config.speed * self._caution(seen)
         return speed if self.course.loop else min(speed, max(0.15, self._tracker.remaining / 1.5))
 
@@ -321,7 +321,9 @@ class AbleDriver(Driver):
         return DriverInput(stick, stick.copy())
 
     def _hits(self, seen: Pose2, stick: FloatArray) -> bool:
-        return math.isfinite(self._sense.time_to_hit(seen, self._twist(stick), self.config.notice_time))
+        # what is seen late, moved on by the motion that is felt
+        now = integrate(seen, self._felt, self.config.delay)
+        return math.isfinite(self._sense.time_to_hit(now, self._twist(stick), self.config.notice_time))
 
     def _away_from_the_hit(self, seen: Pose2, stick: FloatArray) -> FloatArray:
         """Half the speed and the least turn that avoids the hit; slower still where none does."""
@@ -370,7 +372,8 @@ class ExpertDriver(Driver):
 class ImpairedDriver(Driver):
     """Points roughly: the stick snaps to five orientations and is held between decisions.
 
-    joystick: an orientation of ORIENTATIONS times the magnitude. desired: the direction meant, before snapping.
+    joystick: an orientation of ORIENTATIONS times the magnitude. desired: the direction meant now, before snapping and
+    holding; while the driver reverses or gives way it means the orientation that it gives.
     """
 
     config: ImpairedConfig
@@ -390,30 +393,30 @@ class ImpairedDriver(Driver):
         self._next_decision = -math.inf
         self._was_reversing = False
         self._given = 0.0
-        self._meant = 0.0
+        self._giving_way = False
 
     def _draw(self) -> tuple[float, float]:
         return self._noise.next(), float(self._noticing.random())
 
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
-        speed = self._magnitude(seen)
+        speed, (bearing, distance) = self._magnitude(seen), self._target(seen)
+        meant = float(wrap_angle(self._angle(bearing, distance) + noise[0]))
         if stamp >= self._next_decision - 1e-9 or reversing != self._was_reversing:
             self._next_decision = stamp + self.config.decision_time
-            self._meant, self._given = self._decide(seen, noise, speed, reversing)
+            self._given, self._giving_way = self._decide(seen, speed, bearing, meant, noise[1], reversing)
         self._was_reversing = reversing
-        return DriverInput(_pointing(self._given, speed), _pointing(self._meant, speed))
+        return DriverInput(_pointing(self._given, speed), _pointing(self._given if self._giving_way else meant, speed))
 
-    def _decide(self, seen: Pose2, noise: tuple[float, float], speed: float, reversing: bool) -> tuple[float, float]:
-        """The angle meant and the orientation given [rad]."""
-        bearing, distance = self._target(seen)
+    def _decide(
+        self, seen: Pose2, speed: float, bearing: float, meant: float, attention: float, reversing: bool
+    ) -> tuple[float, bool]:
+        """The orientation [rad] to hold, and whether it gives way to an obstacle, i.e. is itself what is meant."""
         if reversing:
-            back = self._way_back(seen, speed, bearing)
-            return back, back
-        meant = float(wrap_angle(self._angle(bearing, distance) + noise[0]))
+            return self._way_back(seen, speed, bearing), True
         given = self._snap(meant, abs(bearing) > self.config.facing_away)
-        if noise[1] < self.config.notice_probability and self._hits(seen, given, speed):
-            given = meant = self._nearest_free(seen, meant, speed, given)
-        return meant, given
+        if attention < self.config.notice_probability and self._hits(seen, given, speed):
+            return self._nearest_free(seen, meant, speed, given), True
+        return given, False
 
     def _angle(self, bearing: float, distance: float) -> float:
         """The stick's angle that pure pursuit (E.1) asks for; a target behind: straight to it."""

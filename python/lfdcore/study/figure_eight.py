@@ -49,7 +49,8 @@ def drive_figure_eight(
     course = figure_eight()
     driver = AbleDriver(course, config, limits)
     driver.reset(seed)
-    pose, twist, rows = course.start, Twist2(), []
+    pose, twist = course.start, Twist2()
+    rows: list[list[float]] = []
     for tick in range(2000):
         stick = driver.act(tick * _PERIOD, pose, twist, False).joystick
         if driver.done:

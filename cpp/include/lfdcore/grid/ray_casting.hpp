@@ -14,7 +14,7 @@ namespace lfdcore {
 /// returns is what a walk from cell to cell returns. Takes 4 bytes a cell; immutable, so threads may share it.
 class RayCaster {
  public:
-  /// range_max [m] > 0. Cells count as occupied from 65 %; unknown ones are transparent.
+  /// range_max [m] > 0; at most 2^31 - 1 cells. Cells count as occupied from 65 %; unknown ones are transparent.
   RayCaster(const OccupancyGrid& grid, double range_max);
 
   /// For each angle [rad], in the laser's frame, the distance [m] to the point where the ray enters the first occupied
@@ -26,12 +26,9 @@ class RayCaster {
   double range_max() const { return range_max_; }
 
  private:
-  double cast_one(double x, double y, double dx, double dy) const;
-  std::size_t index(int ix, int iy) const { return static_cast<std::size_t>(iy) * geometry_.width + ix; }
-
   GridGeometry geometry_;
-  double range_max_, reach_;                 // [m], [cells]
-  std::vector<std::uint8_t> free_sides_[4];  // by quadrant: bit 0: towards smaller x, bit 1: towards smaller y
+  double range_max_;                       // [m]
+  std::vector<std::uint32_t> free_sides_;  // byte q for quadrant q: bit 0 of q: towards smaller x, bit 1: smaller y
 };
 
 }  // namespace lfdcore

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study.courses.course import Course, FloatArray, Split, heading_of
+from lfdcore.study.courses.course import Course, Split, heading_of
 from lfdcore.study.courses.ideal import drive_ideally
 from lfdcore.study.courses.routes import Point, RoutePlanner
+
+Mask = npt.NDArray[np.bool_]
 
 TURNING_ROOM = 0.95
 """Clearance [m] wanted at destinations: the chair turns on the spot within .87 m."""
@@ -56,14 +59,14 @@ class _Destinations:
         self._roomy = self._largest(roomy)
         self.start = self._any(self._roomy)
 
-    def _any(self, mask: FloatArray) -> Point:
+    def _any(self, mask: Mask) -> Point:
         rows, cols = np.nonzero(mask)
         pick = self._rng.integers(len(rows))
         x, y = self._points[rows[pick], cols[pick]]
         return float(x), float(y)
 
-    def _largest(self, roomy: FloatArray) -> FloatArray:
-        """The roomy places of the part of the map that holds most of a few random draws' company."""
+    def _largest(self, roomy: Mask) -> Mask:
+        """The roomy places of the largest connected part that a few random draws meet."""
         parts = []
         for _ in range(5):
             reachable = np.isfinite(self._planner.distances_from(self._any(roomy)))

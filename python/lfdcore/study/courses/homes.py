@@ -51,7 +51,7 @@ def _furnished_home() -> Drawing:
 
 def _home_waypoints(doors: Drawing, route: int) -> list[Point]:
     d = doors.doors
-    living = [(1.5, 8.4), (1.3, 5.6), (1.4, 1.8), (3.0, 1.6), (4.2, 2.8)]
+    living = [(1.5, 8.4), (1.3, 5.8), (1.7, 3.6), (2.0, 1.6), (3.4, 1.5), (4.3, 2.8)]
     bedroom = [(15.7, 6.4), (15.7, 7.9), (16.6, 8.2), (16.9, 6.6)]
     rounds = [*living, *d[0].waypoints(1), *d[7].waypoints(1), *bedroom, *d[8].waypoints(-1), (17.0, 1.8)]
     rounds += [*d[9].waypoints(-1), *d[5].waypoints(-1), *d[4].waypoints(1), (9.0, 5.0), *d[3].waypoints(1)]
@@ -63,7 +63,16 @@ def _home_waypoints(doors: Drawing, route: int) -> list[Point]:
     south = [(4.2, 4.8), *d[0].waypoints(1), *d[4].waypoints(-1), *d[5].waypoints(1), *d[6].waypoints(1)]
     turn = [(16.2, 4.9), (17.3, 5.4), (17.3, 6.4), (16.3, 6.6)]
     north = [(13.3, 5.0), *d[7].waypoints(1), *turn, *d[7].waypoints(-1), *d[3].waypoints(1), (11.6, 7.8)]
-    west = [*d[2].waypoints(-1), *d[1].waypoints(-1), (4.0, 8.6), (1.6, 8.4), (1.3, 5.6), (1.4, 1.8), (3.2, 1.6)]
+    west = [
+        *d[2].waypoints(-1),
+        *d[1].waypoints(-1),
+        (4.0, 8.6),
+        (1.6, 8.4),
+        (1.3, 5.8),
+        (1.7, 3.6),
+        (2.0, 1.6),
+        (3.4, 1.6),
+    ]
     return [*south, *north, *west]
 
 

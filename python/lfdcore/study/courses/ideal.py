@@ -48,7 +48,7 @@ def _count(length: float, step: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class IdealDrive:
-    """poses (T, 3) [m, rad, map], .05 m or .05 rad apart; completed: the route's end was reached; contacts (T,) bool."""
+    """poses (T, 3) [m, rad, map], .05 m or .05 rad apart; completed: the end was reached; contacts (T,) bool."""
 
     poses: FloatArray
     completed: bool

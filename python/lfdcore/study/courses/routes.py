@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -119,7 +120,7 @@ class RoutePlanner:
     def _search(
         self, window: tuple[int, int, int, int], first: tuple[int, int], last: tuple[int, int]
     ) -> FloatArray | None:
-        x0, y0, x1, y1 = window
+        x0, y0, _, _ = window
         numbers, graph = self._graph(window)
         source, target = numbers[first[1] - y0, first[0] - x0], numbers[last[1] - y0, last[0] - x0]
         distance, before = dijkstra(graph, directed=False, indices=source, return_predecessors=True)
@@ -178,7 +179,7 @@ class RoutePlanner:
             raise ValueError(f"a route needs at least 2 waypoints, got {len(waypoints)}")
         stops = [*waypoints, waypoints[0]] if loop else list(waypoints)
         legs = []
-        for start, goal in zip(stops[:-1], stops[1:], strict=True):
+        for start, goal in pairwise(stops):
             leg = self.leg(start, goal)
             if leg is None:
                 raise ValueError(f"no way for the chair from {start} to {goal} m")

@@ -8,7 +8,7 @@ import numpy as np
 
 from lfdcore.geometry import Footprint, Pose2
 from lfdcore.study.courses.course import Course, FloatArray
-from lfdcore.study.courses.drawing import Drawing
+from lfdcore.study.courses.drawing import Door, Drawing
 from lfdcore.study.courses.ideal import FootprintOnGrid
 from lfdcore.study.courses.routes import Point, RoutePlanner
 
@@ -73,7 +73,8 @@ def doorway_and_docking(seed: int) -> Task:
     end = table[0] - Footprint().front - 0.15
     way: list[Point] = [(start_x, start_y), *door.waypoints(1), (end - 1.0, table_y), (end, table_y)]
     start = Pose2(start_x, start_y, float(rng.uniform(-0.6, 0.6)))
-    return Task(_task_course("doorway-docking", d, way, start), seed, 120.0, table=table)
+    berth = Door(end - 0.2, table_y, "x", 1.0)  # met straight on, as a door would be
+    return Task(_task_course("doorway-docking", d, way, start, berth), seed, 120.0, table=table)
 
 
 def narrow_gap(seed: int, width: float = 0.90, thickness: float = 0.10) -> Task:
@@ -112,10 +113,12 @@ def _beside_the_gap(d: Drawing, rng: np.random.Generator, near: float, middle: f
             return Pose2(*map(float, pose[0]))
 
 
-def _task_course(name: str, d: Drawing, way: list[Point], start: Pose2) -> Course:
+def _task_course(name: str, d: Drawing, way: list[Point], start: Pose2, *berths: Door) -> Course:
     grid = d.grid()
-    route = RoutePlanner(grid, doors=d.doors).route(way)
-    return Course(name, grid, start, route, False, "a short task from a start drawn from the seed", "test", (*d.doors,))
+    route = RoutePlanner(grid, doors=[*d.doors, *berths]).route(way)
+    return Course(
+        name, grid, start, route, False, "a short task from a start drawn from the seed", "test", tuple(d.doors)
+    )
 
 
 def _checked(seed: int) -> int:

@@ -1,0 +1,224 @@
+"""ROS 1 and ROS 2 bags: topics found by type, choices left to the caller, mounting from the static transforms."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from lfdcore.datasets import DriveLog, open_log, read_rosbag
+from lfdcore.datasets import ros_messages as ros
+from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.grid import LaserScan
+
+EPOCH = 1_700_000_000_000_000_000
+SCAN = LaserScan([0.05, 1.0, 40.0, np.inf], -1.5, 1.0, 0.1, 30.0)
+
+Messages = list[tuple[str, str, int, Any]]
+
+
+def drive(base: str = "base_link") -> Messages:
+    """(topic, type, time received [ns], message) of three ticks, out of order on /odom."""
+    messages: Messages = [
+        (
+            "/tf_static",
+            "tf2_msgs/msg/TFMessage",
+            EPOCH,
+            ros.transform_message(EPOCH, base, "mast", Pose2(0.5, 0, np.pi / 2)),
+        ),
+        (
+            "/tf_static",
+            "tf2_msgs/msg/TFMessage",
+            EPOCH,
+            ros.transform_message(EPOCH, "mast", "laser", Pose2(0.2, 0, 0)),
+        ),
+    ]
+    for tick in (0, 2, 1):
+        at = EPOCH + tick * 100_000_000
+        messages += [
+            ("/odom", "nav_msgs/msg/Odometry", at, ros.odometry_message(at, Pose2(tick, 0, 0.5), Twist2(0.1, tick))),
+            ("/base_scan", "sensor_msgs/msg/LaserScan", at, ros.scan_message(at, SCAN)),
+            ("/joy", "sensor_msgs/msg/Joy", at, ros.joystick_message(at, -0.25 * tick, 0.5)),
+            ("/cmd", "geometry_msgs/msg/Twist", at, ros.command_message(at, Twist2(0.3, -tick)).twist),
+        ]
+    return messages
+
+
+def write_ros2(path: Path, messages: Messages, plugin: StoragePlugin = StoragePlugin.SQLITE3) -> Path:
+    store = ros.typestore()
+    with Writer2(path, version=9, storage_plugin=plugin) as writer:
+        connections: dict[str, Any] = {}
+        for topic, kind, at, message in messages:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=store)
+            writer.write(connections[topic], at, store.serialize_cdr(message, kind))
+    return path
+
+
+def to_ros1(value: Any, store: Any) -> Any:
+    """The same message in ROS 1's types (its headers also count)."""
+    kind = getattr(value, "__msgtype__", None)
+    if kind is None:
+        return [to_ros1(one, store) for one in value] if isinstance(value, list) else value
+    fields = {
+        name: to_ros1(getattr(value, name), store) for name in value.__dataclass_fields__ if name != "__msgtype__"
+    }
+    if kind == "std_msgs/msg/Header":
+        fields["seq"] = 0
+    return store.types[kind](**fields)
+
+
+def write_ros1(path: Path, messages: Messages) -> Path:
+    store = get_typestore(Stores.ROS1_NOETIC)
+    store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
+    with Writer1(path) as writer:
+        connections: dict[str, Any] = {}
+        for topic, kind, at, message in messages:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=store)
+            writer.write(connections[topic], at, store.serialize_ros1(to_ros1(message, store), kind))
+    return path
+
+
+WRITERS: dict[str, Callable[[Path, Messages], Path]] = {
+    "ros1": lambda folder, messages: write_ros1(folder / "drive.bag", messages),
+    "ros2 sqlite3": lambda folder, messages: write_ros2(folder / "drive", messages),
+    "ros2 mcap": lambda folder, messages: write_ros2(folder / "drive", messages, StoragePlugin.MCAP),
+    "lone db3": lambda folder, messages: next(write_ros2(folder / "drive", messages).glob("*.db3")),
+    "lone mcap": lambda folder, messages: next(
+        write_ros2(folder / "drive", messages, StoragePlugin.MCAP).glob("*.mcap")
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_every_kind_of_bag_gives_the_same_drive(tmp_path: Path, kind: str) -> None:
+    log = open_log(WRITERS[kind](tmp_path, drive()))
+    np.testing.assert_allclose(log.scan_stamp, [0, 0.1, 0.2])
+    np.testing.assert_allclose(log.pose, [[0, 0, 0.5], [1, 0, 0.5], [2, 0, 0.5]])
+    np.testing.assert_allclose(log.twist, [[0.1, 0], [0.1, 1], [0.1, 2]])
+    np.testing.assert_array_equal(log.ranges[0], np.array([np.nan, 1, np.inf, np.inf], np.float32))
+    np.testing.assert_array_equal(log.joystick, [[0.5, 0], [0.5, -0.25], [0.5, -0.5]])  # Joy.axes[1] is forward
+    np.testing.assert_allclose(log.command, [[0.3, 0], [0.3, -1], [0.3, -2]])
+    assert tuple(log.T_base_laser) == pytest.approx((0.5, 0.2, np.pi / 2))
+    assert log.metadata["scan topic"] == "/base_scan"
+    assert log.metadata["epoch [ns]"] == str(EPOCH)
+    assert (log.angle_min, log.range_max) == (-1.5, 30)
+
+
+def test_two_topics_of_a_type_are_an_error_that_names_them_until_one_is_chosen(tmp_path: Path) -> None:
+    second = [("/rear_scan", kind, at, message) for topic, kind, at, message in drive() if topic == "/base_scan"]
+    bag = write_ros2(tmp_path / "drive", drive() + second)
+    with pytest.raises(
+        ValueError, match=r"more than one topic for scan: say scan= one of \['/base_scan', '/rear_scan'\]"
+    ):
+        read_rosbag(bag)
+    assert read_rosbag(bag, scan="/rear_scan").metadata["scan topic"] == "/rear_scan"
+    assert len(open_log(bag, scan="/base_scan").scan_stamp) == 3
+    with pytest.raises(ValueError, match=r"scan is '/joy', .* has \['/base_scan', '/rear_scan'\] of sensor_msgs"):
+        read_rosbag(bag, scan="/joy")
+
+
+def test_a_bag_without_scans_or_odometry_names_what_it_holds(tmp_path: Path) -> None:
+    bag = write_ros2(tmp_path / "drive", [one for one in drive() if one[0] in ("/joy", "/odom")])
+    with pytest.raises(
+        DataError, match=r"no topic of type sensor_msgs/msg/LaserScan, so no scan; it holds /joy \(sensor"
+    ):
+        read_rosbag(bag)
+
+
+def test_without_static_transforms_the_mounting_is_the_identity_and_said_to_be(tmp_path: Path) -> None:
+    bag = write_ros2(tmp_path / "drive", drive(base="base_footprint"))
+    log = read_rosbag(bag)
+    assert log.T_base_laser == Pose2(0, 0, 0)
+    assert log.metadata["T_base_laser"] == "identity: no static transforms from laser to base_link"
+    assert read_rosbag(bag, T_base_laser=Pose2(1, 2, 3)).T_base_laser == Pose2(1, 2, 3)
+
+
+def test_transforms_that_go_round_end_in_the_identity(tmp_path: Path) -> None:
+    ring = [
+        ("/tf_static", "tf2_msgs/msg/TFMessage", EPOCH, ros.transform_message(EPOCH, parent, child, Pose2(1, 0, 0)))
+        for parent, child in (("mast", "laser"), ("laser", "mast"))
+    ]
+    log = read_rosbag(write_ros2(tmp_path / "drive", drive()[2:] + ring))
+    assert log.T_base_laser == Pose2(0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "message", "told"),
+    [
+        (
+            "/base_scan",
+            "sensor_msgs/msg/LaserScan",
+            ros.scan_message(EPOCH, LaserScan([1.0], 0, 1)),
+            "has 1 beams, the first has 4",
+        ),
+        ("/joy", "sensor_msgs/msg/Joy", ros.joystick_message(EPOCH, 3.0, 0), "joystick is 3.0"),
+        (
+            "/odom",
+            "nav_msgs/msg/Odometry",
+            ros.odometry_message(EPOCH, Pose2(np.nan, 0, 0), Twist2(0, 0)),
+            "pose is nan",
+        ),
+    ],
+)
+def test_messages_that_no_drive_can_hold_are_refused(
+    tmp_path: Path, topic: str, kind: str, message: Any, told: str
+) -> None:
+    bag = write_ros2(tmp_path / "drive", [*drive(), (topic, kind, EPOCH + 10**9, message)])
+    with pytest.raises(DataError, match=told):
+        read_rosbag(bag)
+
+
+def test_axes_that_a_joystick_lacks_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"a Joy message has 2 axes, joystick_axes is \(1, 4\)"):
+        read_rosbag(write_ros2(tmp_path / "drive", drive()), joystick_axes=(1, 4))
+
+
+@pytest.mark.parametrize("kind", ["ros1", "lone mcap", "lone db3"])
+def test_a_cut_bag_is_refused_or_read_in_part(tmp_path: Path, kind: str) -> None:
+    path = WRITERS[kind](tmp_path, drive())
+    whole = path.read_bytes()
+    refused = 0
+    for size in np.linspace(1, len(whole) - 1, 40).astype(int):
+        path.write_bytes(whole[:size])
+        try:
+            assert isinstance(read_rosbag(path), DriveLog)
+        except DataError as error:
+            refused += 1
+            assert path.name in str(error)
+    assert refused >= 20
+
+
+@pytest.fixture(scope="module")
+def small_bag(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return write_ros1(tmp_path_factory.mktemp("bag") / "drive.bag", drive()).read_bytes()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_a_garbled_bag_is_read_or_refused_but_never_crashes(
+    small_bag: bytes, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("garbled") / "drive.bag"
+    whole = bytearray(small_bag)
+    for _ in range(data.draw(st.integers(1, 6))):
+        whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
+    path.write_bytes(bytes(whole))
+    try:
+        read_rosbag(path)
+    except (DataError, ValueError) as error:
+        assert path.name in str(error)
+
+
+def test_a_bag_that_is_not_there_is_not_found(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        read_rosbag(tmp_path / "none.bag")
