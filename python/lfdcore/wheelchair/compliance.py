@@ -123,7 +123,7 @@ class ComplianceModel:
         left, right = low % _DIRECTIONS, (low + 1) % _DIRECTIONS
         near = (1 - across) * table[inner, left] + across * table[inner, right]
         far = (1 - across) * table[outer, left] + across * table[outer, right]
-        return (1 - along) * near + along * far
+        return np.asarray((1 - along) * near + along * far)
 
     def map(self, joystick: Floats) -> NDArray[np.float32]:
         """(100, 100) over the local window: compliance of every cell's centre within the look-ahead, 0 elsewhere
@@ -166,4 +166,4 @@ def _direction(points: Floats) -> Floats:
 
 
 def _unit(sticks: Floats) -> Floats:
-    return sticks / np.linalg.norm(sticks, axis=-1, keepdims=True)
+    return np.asarray(sticks / np.linalg.norm(sticks, axis=-1, keepdims=True))

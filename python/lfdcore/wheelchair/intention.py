@@ -110,14 +110,14 @@ class IntentionModel:
         (default: all that the beams see). All 0 also for a stick within the dead zone and a scan without a measurement.
         ValueError for a stick that is not finite or out of range.
         """
-        image = np.zeros(CELLS * CELLS, dtype=np.float32)
-        image[self.cells] = self.cell_likelihoods(joystick, scan, T_base_laser)
-        image = image.reshape(CELLS, CELLS)
+        image = np.zeros((CELLS, CELLS), dtype=np.float32)
+        image.flat[self.cells] = self.cell_likelihoods(joystick, scan, T_base_laser)
         allowed = None if visible is None else _checked_mask(visible)
         if allowed is not None:
             image = np.where(allowed, image, np.float32(0))
         if self.config.blur > 0:
-            image = cv2.GaussianBlur(image, (0, 0), self.config.blur, borderType=cv2.BORDER_CONSTANT)
+            blurred = cv2.GaussianBlur(image, (0, 0), self.config.blur, borderType=cv2.BORDER_CONSTANT)
+            image = np.asarray(blurred, dtype=np.float32)
             image = image if allowed is None else np.where(allowed, image, np.float32(0))
         total = float(image.sum(dtype=np.float64))
         return (image / np.float32(total)) if total > 0 else image
@@ -183,7 +183,7 @@ def _frequencies(bank: RbfNetworkBank, inputs: Floats, keys: NDArray[np.int32]) 
 
 
 def _stick_inputs(joystick: Floats, config: IntentionConfig) -> Floats:
-    return joystick / np.hypot(*joystick.T)[:, None] / config.sigma_joystick
+    return np.asarray(joystick / np.hypot(*joystick.T)[:, None] / config.sigma_joystick)
 
 
 def _range_inputs(beam_range: Floats, config: IntentionConfig) -> Floats:

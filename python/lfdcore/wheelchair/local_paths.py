@@ -116,10 +116,10 @@ class LocalPaths:
         for part in parts:
             dropped.update(part.dropped)
         return LocalPaths(
-            *(
-                np.concatenate([getattr(p, name) for p in parts])
-                for name in ("joystick", "beam_range", "goal", "end_yaw")
-            ),
+            np.concatenate([part.joystick for part in parts]),
+            np.concatenate([part.beam_range for part in parts]),
+            np.concatenate([part.goal for part in parts]),
+            np.concatenate([part.end_yaw for part in parts]),
             [path for part in parts for path in part.paths],
             np.concatenate([part.clearance for part in parts]),
             np.concatenate([part.reason for part in parts]),

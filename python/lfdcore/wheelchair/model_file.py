@@ -129,7 +129,8 @@ def _clearance(value: float) -> float:
 
 
 def _bank(tensors: Tensors, part: str, sigma: float) -> RbfNetworkBank:
-    return RbfNetworkBank(*(tensors[f"{part}.{name}"] for name in _BANK), sigma)
+    keys, offsets, centres, weights = (tensors[f"{part}.{name}"] for name in _BANK)
+    return RbfNetworkBank(keys, offsets, centres, weights, sigma)
 
 
 def _config(kind: type[Any], values: dict[str, Any]) -> Any:

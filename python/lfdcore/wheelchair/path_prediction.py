@@ -108,7 +108,7 @@ def geometric_median(paths: Floats, weights: Floats, iterations: int) -> Floats:
     for _ in range(iterations):
         pull = weight / np.maximum(np.hypot(*(points - median[:, :, None])), 0.01)
         median = (points * pull).sum(axis=2) / pull.sum(axis=1)
-    return median.T
+    return np.asarray(median.T)
 
 
 def along(path: Floats, reach: float, points: int) -> Floats:
@@ -122,4 +122,4 @@ def along(path: Floats, reach: float, points: int) -> Floats:
     back = min(int(np.searchsorted(length, length[-1] - 0.25)), len(path) - 2)
     ahead = (path[-1] - path[back]) / np.linalg.norm(path[-1] - path[back]).clip(min=1e-9)
     inside = np.stack([np.interp(at, length, path[:, axis]) for axis in (0, 1)], 1)
-    return inside + np.maximum(at - length[-1], 0.0)[:, None] * ahead
+    return np.asarray(inside + np.maximum(at - length[-1], 0.0)[:, None] * ahead)
