@@ -139,6 +139,8 @@ def _checked_seed(seed: int) -> int:
 class Driver(ABC):
     """A simulated person who drives a course. Call reset(seed), then act() every 0.1 s until `done`."""
 
+    name: str
+
     def __init__(
         self,
         course: Course,
@@ -302,6 +304,8 @@ def _stick(forward: float, left: float) -> FloatArray:
 class AbleDriver(Driver):
     """Follows the route with a small, correlated wobble of `left`; no disability, so joystick = desired."""
 
+    name = "able"
+
     config: AbleConfig
 
     def __init__(
@@ -336,6 +340,8 @@ class AbleDriver(Driver):
 
 class ExpertDriver(Driver):
     """Demonstrates: slows down where something is near the nose, moves the stick without jumps; joystick = desired."""
+
+    name = "expert"
 
     config: ExpertConfig
 
@@ -375,6 +381,8 @@ class ImpairedDriver(Driver):
     joystick: an orientation of ORIENTATIONS times the magnitude. desired: the direction meant now, before snapping and
     holding; while the driver reverses or gives way it means the orientation that it gives.
     """
+
+    name = "impaired"
 
     config: ImpairedConfig
 

@@ -196,10 +196,10 @@ def use_of_plan(trace: DriveTrace, plan: Plan, compliance: ComplianceModel, hori
     ahead, left = c * to[..., 0] + s * to[..., 1], -s * to[..., 0] + c * to[..., 1]
     near = (np.hypot(ahead, left) <= LOOK_AHEAD) & (ahead > 0)
     compliant = np.zeros(len(plan.path), bool)
-    point, tick = np.nonzero(near)
-    if len(point):
-        values = compliance.compliance_many(np.stack([ahead[near], left[near]], 1), stick[tick])
-        np.logical_or.at(compliant, point, values >= COMPLIANT_FROM)
+    for tick in np.flatnonzero((near & ~compliant[:, None]).any(0)):
+        points = np.flatnonzero(near[:, tick] & ~compliant)
+        seen = np.stack([ahead[points, tick], left[points, tick]], axis=1)
+        compliant[points] = compliance.compliances(seen, stick[tick]) >= COMPLIANT_FROM
     length = np.r_[0, np.cumsum(np.hypot(*np.diff(plan.path, axis=0).T))]
     first_bad = int(np.argmin(compliant)) if not compliant.all() else len(compliant)
     return PlanUse(

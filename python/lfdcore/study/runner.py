@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lfdcore.datasets.drive_log import DriveLogWriter
-from lfdcore.geometry import Pose2
+from lfdcore.geometry import Pose2, Twist2
 from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
 from lfdcore.study.courses import Course
 from lfdcore.study.drivers import Driver
@@ -125,7 +125,7 @@ def run_drive(
     log = None
     if log_path is not None:
         log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser)
-    collision = False
+    collision, odometry_twist = False, Twist2()
     outcome = None
     tick = 0
     try:
@@ -138,13 +138,14 @@ def run_drive(
                 float(np.float32(given.joystick[0])),
                 float(np.float32(given.joystick[1])),
             )  # as sensor_msgs/Joy
-            observation = Observation(stamp, scan, stamp, world.odometry, world.odometry_twist, joystick)
+            observation = Observation(stamp, scan, stamp, world.odometry, odometry_twist, joystick)
             assistance = assistant.update(observation)
             if log is not None:
                 _write(log, observation, assistance, given.desired)
             entry = {"joystick": joystick, "desired": tuple(given.desired), "collision": collision}
             recorder.add(stamp, state, entry, assistance)
-            collision = world.step(assistance.command, config.period).collision_started
+            result = world.step(assistance.command, config.period)
+            collision, odometry_twist = result.collision_started, result.odometry_twist
             outcome = progress.outcome(stamp, driver)
             tick += 1
     finally:

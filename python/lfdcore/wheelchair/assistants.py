@@ -239,13 +239,8 @@ class DriveAssistant:
         """|v| <= vmax |stick| and |w| <= wmax |stick| (Sec. 3.4.2)."""
         share = min(1.0, float(np.hypot(*observation.joystick)))
         limits = self.chair.limits
-        return pure_pursuit(
-            track.path_odom,
-            observation.pose,
-            track.planned.look_ahead,
-            limits.max_linear * share,
-            limits.max_angular * share,
-        )
+        speed, turn = limits.max_linear * share, limits.max_angular * share
+        return pure_pursuit(track.path_odom, track.planned.look_ahead, speed, turn, pose=observation.pose)
 
     def _follow(self, track: _Track, observation: Observation, obstacles: ObstaclePoints, planned: bool) -> Assistance:
         pursuit = self._pursue(track, observation)

@@ -7,12 +7,13 @@ with the oriented footprint -> where that would touch: hybrid A* to the same end
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.control import FootprintRollout, FootprintRolloutConfig
-from lfdcore.geometry import arc_length
+from lfdcore.control import FootprintRollout, FootprintRolloutConfig, rollout_pursuit
+from lfdcore.geometry import Pose2, Twist2, arc_length
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, inflate
 from lfdcore.planning import (
     DppConfig,
@@ -27,6 +28,7 @@ from lfdcore.planning import (
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
+from lfdcore.wheelchair.window import cell_centres
 
 START = (50, 50)
 """(ix, iy) of base_link in the local window."""
@@ -87,6 +89,13 @@ class PlannedPath:
     """None if the footprint is not checked."""
 
 
+class _Drivable(NamedTuple):
+    path: NDArray[np.float64]
+    source: str
+    look_ahead: float
+    rollout: FootprintRollout | None
+
+
 class PathPlanner:
     """Plans for one chair; keeps its solvers' memory between calls."""
 
@@ -94,6 +103,7 @@ class PathPlanner:
         self.model = model
         self.config = config
         self.chair = chair
+        self._near_start = np.linalg.norm(cell_centres(), axis=2) < config.start_clear
         self._dpp = DppSolver(config.dpp)
         self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
 
@@ -116,8 +126,14 @@ class PathPlanner:
                 continue
             drivable = self._drivable(drawn[0], obstacles, observation.twist)
             if drivable is not None:
-                intended = (float(goal[0]), float(goal[1]))
-                return PlannedPath(*drivable, intended, likelihood, primitive, intention, drawn[1])
+                return PlannedPath(
+                    **drivable._asdict(),
+                    goal=(float(goal[0]), float(goal[1])),
+                    likelihood=likelihood,
+                    primitive=primitive,
+                    intention=intention,
+                    reward=drawn[1],
+                )
         return None
 
     def _draw(
@@ -126,6 +142,7 @@ class PathPlanner:
         """The DPP path (Alg. 2) over obstacles grown by `inflation` [m], and its reward; None if it leads nowhere."""
         blocked = inflate(occupied, inflation, grid.resolution)
         blocked &= ~self._near_start | occupied
+        blocked[START[1], START[0]] = False
         cells = path_cells(primitive, grid)
         free = ~blocked[cells[:, 1], cells[:, 0]]
         if not free[1:].any():
@@ -141,19 +158,19 @@ class PathPlanner:
 
     def _drivable(
         self, path: NDArray[np.float64], obstacles: ObstaclePoints, twist: Twist2
-    ) -> tuple[NDArray[np.float64], str, float, FootprintRollout | None] | None:
+    ) -> _Drivable | None:
         """The path if the chair's body can follow it, else hybrid A*'s to the same end, else None."""
         config = self.config
         if not config.check_footprint:
-            return path, "dpp", config.look_ahead, None
+            return _Drivable(path, "dpp", config.look_ahead, None)
         body = self.chair.footprint.grown(config.footprint_margin)
-        rollout = rollout_pursuit(path, obstacles, body, self.chair.limits, twist, config.rollout)
+        rollout = rollout_pursuit(path, obstacles, body, self.chair.limits, twist, config=config.rollout)
         if np.isinf(rollout.time_to_contact):
-            return path, "dpp", config.look_ahead, rollout
-        found = self._hybrid_astar.solve(obstacles, self.chair.footprint, Pose2(), path[-1])
+            return _Drivable(path, "dpp", config.look_ahead, rollout)
+        found = self._hybrid_astar.solve(obstacles, Pose2(), path[-1])
         if not found.found:
             return None
-        return found.path[:, :2], "hybrid_astar", config.tight_look_ahead, rollout
+        return _Drivable(found.path[:, :2], "hybrid_astar", config.tight_look_ahead, rollout)
 
 
 def smooth(path: NDArray[np.float64], half_window: int = 3) -> NDArray[np.float64]:

@@ -143,8 +143,8 @@ def test_a_chair_that_stands_while_forward_is_asked_is_stuck_and_one_at_rest_is_
 class ByAngle:
     """A stand-in for the compliance model: straight ahead within 10 degrees is compliant."""
 
-    def compliance_many(self, points: np.ndarray, joysticks: np.ndarray) -> np.ndarray:
-        bearing = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(joysticks[:, 1], joysticks[:, 0])
+    def compliances(self, points: np.ndarray, joystick: np.ndarray) -> np.ndarray:
+        bearing = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(joystick[1], joystick[0])
         return np.where(np.abs(bearing) < np.radians(10), 1.0, 0.0)
 
 

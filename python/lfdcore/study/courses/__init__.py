@@ -1,6 +1,7 @@
 """Worlds to drive in, drawn by us, each with a reference route; docs/courses.md shows and lists them."""
 
 from lfdcore.study.courses.any_map import from_map
+from lfdcore.study.courses.catalogue import course_by_name, course_names, training_courses, tuning_courses
 from lfdcore.study.courses.course import Course
 from lfdcore.study.courses.drawing import Door, Drawing
 from lfdcore.study.courses.held_out import campus, figure_eight, standard_course
@@ -22,6 +23,8 @@ __all__ = [
     "Task",
     "campus",
     "clearance_field",
+    "course_by_name",
+    "course_names",
     "distance_to_box",
     "doorway_and_docking",
     "drive_ideally",
@@ -33,4 +36,6 @@ __all__ = [
     "office",
     "route_clearance",
     "standard_course",
+    "training_courses",
+    "tuning_courses",
 ]
