@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
-from lfdcore.wheelchair.assistants import DriveAssistantConfig
+from lfdcore.grid import ObstaclePoints, OccupancyGrid
+from lfdcore.wheelchair.assistants import DriveAssistantConfig, Surroundings
 from lfdcore.wheelchair.local_paths import LocalPaths
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
@@ -57,7 +57,7 @@ def telling_moments(
             source = moment.planned.source
             if source not in best or moment.worth > best[source].worth:
                 best[source] = moment
-    return best
+    return dict(sorted(best.items()))
 
 
 def _candidates(seen: Sequence[Observation], paths: LocalPaths) -> NDArray[np.intp]:
@@ -75,10 +75,10 @@ def _moment(
     seen: Sequence[Observation], index: int, planner: PathPlanner, chair: ChairGeometry, duration: float
 ) -> Moment | None:
     now = seen[index]
-    rolling = RollingMap(duration)
+    around = Surroundings(chair, duration)
     for past in seen[: index + 1]:
         if past.stamp >= now.stamp - duration:
-            rolling.insert(past.stamp, past.scan, chair.T_base_laser, past.pose)
-    grid, obstacles = rolling.local_grid(now.pose), rolling.obstacles(now.pose)
+            obstacles = around.see(past)
+    grid = around.grid(now)
     planned = planner.plan(now, grid, obstacles)
     return None if planned is None else Moment(now, grid, obstacles, chair, planned)

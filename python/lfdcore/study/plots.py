@@ -171,6 +171,7 @@ def _draw_window_points(axes: Axes, trace: DriveTrace, spacing: float) -> None:
 def draw_run(axes: Axes, trace: DriveTrace, spacing: float = 0.7) -> None:
     """One run: footprints every `spacing` [m], the way, what its assistant had in mind, contacts (Fig. 3.13-3.15)."""
     draw_footprints(axes, every(trace.pose, spacing), trace.footprint)
+    draw_footprints(axes, trace.pose[-1:], trace.footprint, WAY, "#4a505820")
     axes.plot(*trace.pose[:, :2].T, color=WAY, lw=0.7 if trace.plans else 1.0, zorder=2.5)
     if trace.plans:
         _draw_plans(axes, trace, spacing)
@@ -198,11 +199,14 @@ def _dot(colour: str, label: str, marker: str = "o", size: float = 4.0) -> Line2
 
 
 def _run_legend(traces: Sequence[DriveTrace]) -> list[Line2D]:
-    handles = [_dot(BODY, "footprint", "s"), line_handle(WAY, "way of the axle", 1.0)]
+    handles = [_dot(BODY, "footprint", "s"), _dot(WAY, "at the end", "s"), line_handle(WAY, "way of the axle", 1.0)]
     if any(not trace.plans and np.isfinite(trace.control_point).any() for trace in traces):
         handles += [_dot(DWA_GOAL, "DWA: projected goal"), _dot(DWA_POINT, "DWA: control point")]
     if any(trace.plans for trace in traces):
-        handles += [line_handle(FOLLOWED, "path points followed"), line_handle(DISCARDED, "discarded (first half)", 0.9)]
+        handles += [
+            line_handle(FOLLOWED, "path points followed"),
+            line_handle(DISCARDED, "discarded (first half)", 0.9),
+        ]
     if any(trace.collision.any() for trace in traces):
         handles.append(_dot(CONTACT, "contact begins", "x", 6.0))
     return handles

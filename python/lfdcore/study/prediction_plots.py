@@ -15,7 +15,7 @@ from lfdcore.study.path_error import REACH, at_arc_lengths, path_errors, path_sa
 from lfdcore.study.plots import PAGE, draw_grid, line_handle, styled
 from lfdcore.study.report import Picture
 from lfdcore.wheelchair.beams import BeamGeometry
-from lfdcore.wheelchair.local_paths import beam_geometry, joystick_at_scans
+from lfdcore.wheelchair.local_paths import beam_geometry
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.path_prediction import PathPredictor
 
@@ -34,12 +34,14 @@ _MOST_CELLS = 2000
 
 
 def scans_to_map(log: DriveLog, resolution: float = 0.08) -> OccupancyGrid:
-    """The map that a log's scans make at its own odometry: free where beams passed, occupied where enough of them ended,
-    -1 unseen. One scan every .3 m, beams up to 12 m; cells grow beyond `resolution` [m] for drives over 200 m wide."""
+    """The map that a log's scans make at its own odometry: free where beams passed, occupied where enough of them
+    ended, -1 unseen. One scan every .3 m, beams up to 12 m; cells are larger than `resolution` [m] where more than 2000
+    of them would be needed a side."""
     beams, poses = beam_geometry(log), log.pose_at(log.scan_stamp)
     way = arc_length(poses[:, :2])
     chosen = np.unique(np.searchsorted(way, np.arange(0, way[-1] + 1e-9, _STEP)).clip(0, len(way) - 1))
-    low, high = poses[:, :2].min(axis=0) - _REACH, poses[:, :2].max(axis=0) + _REACH
+    reach = _REACH + float(np.hypot(log.T_base_laser.x, log.T_base_laser.y)) + resolution
+    low, high = poses[:, :2].min(axis=0) - reach, poses[:, :2].max(axis=0) + reach
     resolution = max(resolution, float((high - low).max()) / _MOST_CELLS)
     width, height = np.ceil((high - low) / resolution).astype(int)
     passed, ended = np.zeros((height, width), np.int32), np.zeros((height, width), np.int32)
@@ -74,7 +76,7 @@ def _count_scan(
 def _predictions(model: DriveAssistantModel, log: DriveLog) -> tuple[list[Array], Array]:
     """Predicted paths (M, 2) [m] in odom about every 2 m of the way, and each one's error [m] over 2.5 m."""
     predictor, samples = PathPredictor(model), path_samples(log)
-    sticks, poses = joystick_at_scans(log), log.pose_at(log.scan_stamp)
+    sticks, poses = log.joystick_at(log.scan_stamp), log.pose_at(log.scan_stamp)
     way = arc_length(poses[:, :2])
     paths, errors, last = [], [], -np.inf
     for scan, driven in zip(samples.scan, samples.driven, strict=True):
@@ -115,8 +117,8 @@ def prediction_picture(model: DriveAssistantModel, log: DriveLog, origin: str = 
     paths, errors = _predictions(model, log)
     mean = f"{errors.mean():.2f} m" if len(errors) else "-"
     caption = (
-        f"As Fig. 3.16: paths predicted a posteriori along a log, one about every {SPACING:g} m of the way where the next "
-        f"{REACH:g} m were driven without reversing (n {len(paths)}; mean distance to the way driven {mean} over "
+        f"As Fig. 3.16: paths predicted a posteriori along a log, one about every {SPACING:g} m of the way where the "
+        f"next {REACH:g} m were driven without reversing (n {len(paths)}; mean distance to the way driven {mean} over "
         f"{REACH:g} m). The map is what the log's own scans make at its odometry. {origin or f'Log {log.name}.'}"
     )
     return Picture(prediction_figure(log, paths, errors), caption)

@@ -23,7 +23,7 @@ table { border-collapse: collapse; font-size: .84rem; line-height: 1.35; margin:
 th, td { padding: .3rem .8rem; border-bottom: 1px solid #e4e7eb; text-align: right; white-space: nowrap;
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
-caption { text-align: left; font-weight: 600; padding: .3rem 0; } small { color: #59636e; }
+caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
 img { max-width: 100%; height: auto; }

@@ -21,7 +21,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2
 from lfdcore.planning import DppSolver, GreedyPath, GridMdp, RewardConfig, greedy_path
 from lfdcore.study.moments import Moment, telling_moments
-from lfdcore.study.plots import BODY, CONTACT, DISCARDED, FOLLOWED, PAGE, WALL, every, outlines, styled
+from lfdcore.study.plots import BODY, CONTACT, FOLLOWED, PAGE, WALL, every, outlines, styled
 from lfdcore.study.report import Picture
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
@@ -377,8 +377,8 @@ def stage_figures(
     pictures = [
         Picture(
             local_paths_figure(log, paths),
-            f"As Fig. 3.7: local paths (orange) cut from the demonstrator's drive (black), from the chair (red) to where "
-            f"a criterion ends them; the stick then (green), the beam that covers the end (blue), capped at the window "
+            f"As Fig. 3.7: local paths (orange) cut from the demonstrator's drive (black), from the chair (red) to "
+            f"where a criterion ends them; the stick then (green), the beam that covers the end (blue), capped at the window "
             f"(magenta), and what the scan hit (grey). {len(paths)} paths end so: {_end_counts(paths)}. {source}",
         )
     ]
