@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
@@ -48,37 +46,27 @@ def telling_moments(
     """
     config = config or DriveAssistantConfig()
     chair = ChairGeometry(T_base_laser=log.T_base_laser)
-    planner = PathPlanner(model, config.planner, chair)
-    seen = list(observations(log))
+    planner, around = PathPlanner(model, config.planner, chair), Surroundings(chair, config.map_duration)
     best: dict[str, Moment] = {}
-    for index in _candidates(seen, paths):
-        moment = _moment(seen, index, planner, chair, config.map_duration)
-        if moment is not None:
-            source = moment.planned.source
-            if source not in best or moment.worth > best[source].worth:
-                best[source] = moment
+    wanted = _candidates(paths)
+    for now in observations(log):
+        obstacles = around.see(now)
+        if now.stamp not in wanted:
+            continue
+        grid = around.grid(now)
+        planned = planner.plan(now, grid, obstacles)
+        if planned is not None:
+            moment = Moment(now, grid, obstacles, chair, planned)
+            if planned.source not in best or moment.worth > best[planned.source].worth:
+                best[planned.source] = moment
     return dict(sorted(best.items()))
 
 
-def _candidates(seen: Sequence[Observation], paths: LocalPaths) -> NDArray[np.intp]:
+def _candidates(paths: LocalPaths) -> set[float]:
+    """Stamps [s] of the scans to look at."""
     turned = np.abs(paths.end_yaw)
     telling = (turned >= _TURNS[0]) & (turned <= _TURNS[1]) & (paths.goal[:, 0] > 0.8) & (paths.joystick[:, 0] > 0.2)
     stamps = paths.stamp[telling]
     if not len(stamps):
-        return np.zeros(0, dtype=np.intp)
-    chosen = stamps[np.unique(np.linspace(0, len(stamps) - 1, CANDIDATES).round().astype(np.intp))]
-    own = np.array([observation.stamp for observation in seen])
-    return np.flatnonzero(np.isin(own, chosen))
-
-
-def _moment(
-    seen: Sequence[Observation], index: int, planner: PathPlanner, chair: ChairGeometry, duration: float
-) -> Moment | None:
-    now = seen[index]
-    around = Surroundings(chair, duration)
-    for past in seen[: index + 1]:
-        if past.stamp >= now.stamp - duration:
-            obstacles = around.see(past)
-    grid = around.grid(now)
-    planned = planner.plan(now, grid, obstacles)
-    return None if planned is None else Moment(now, grid, obstacles, chair, planned)
+        return set()
+    return set(stamps[np.linspace(0, len(stamps) - 1, CANDIDATES).round().astype(np.intp)].tolist())

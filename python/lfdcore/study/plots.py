@@ -74,6 +74,8 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
     """The figure as PNG; the same figure gives the same bytes."""
     data = io.BytesIO()
     with matplotlib.style.context(["default", STYLE]):
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once: a second drawing would move what stands already
         figure.savefig(data, format="png", dpi=dpi, bbox_inches="tight", pad_inches=0.06, metadata={"Software": None})
     return data.getvalue()
 
@@ -164,7 +166,7 @@ def _draw_window_points(axes: Axes, trace: DriveTrace, spacing: float) -> None:
     """DWA: projected goals orange, safe control points blue (Fig. 3.13a)."""
     way = arc_length(trace.pose[:, :2])
     ticks = np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(way) - 1)
-    for points, colour, size in ((trace.goal, DWA_GOAL, 4.2), (trace.control_point, DWA_POINT, 2.4)):
+    for points, colour, size in ((trace.goal, DWA_GOAL, 3.8), (trace.control_point, DWA_POINT, 2.2)):
         axes.plot(*points[ticks].T, "o", color=colour, ms=size, mew=0, zorder=3)
 
 
@@ -176,7 +178,7 @@ def draw_run(axes: Axes, trace: DriveTrace, spacing: float = 0.7) -> None:
     if trace.plans:
         _draw_plans(axes, trace, spacing)
     elif np.isfinite(trace.control_point).any():
-        _draw_window_points(axes, trace, spacing / 2)
+        _draw_window_points(axes, trace, spacing)
     hits = trace.pose[trace.collision]
     if len(hits):
         draw_footprints(axes, hits, trace.footprint, CONTACT, "#c1121f30")

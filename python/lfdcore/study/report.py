@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -89,6 +90,11 @@ def write_report(path: Path, title: str, sections: Sequence[Section]) -> Path:
 
 
 def write_figures(path: Path, rows: Sequence[dict[str, object]]) -> Path:
-    """Writes all figures of all runs as JSON -> its path."""
-    path.write_text(json.dumps(list(rows), indent=1) + "\n", encoding="utf-8")
+    """Writes all figures of all runs as JSON -> its path. What is not a finite number becomes null."""
+    plain = [{name: _plain(value) for name, value in row.items()} for row in rows]
+    path.write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return path
+
+
+def _plain(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -208,6 +208,7 @@ def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPa
     title = f"{round(heading):+d}°".replace("+0", "0").replace("-", "−")
     axes.set_title(f"{title}, n {int(primitives.counts[which])}", fontsize=8, pad=3)
     _front_axes(axes, labels=False)
+    axes.set_xticks([2, 0, -2])
 
 
 def goal_ring(reach: float = 2.3, count: int = 13) -> Array:
@@ -228,24 +229,27 @@ def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable
     axes.set_title("B  the nearest primitive scaled to goals (grey)")
 
 
+_TITLE = {"ha": "center", "fontsize": 9.5}
+
+
 @styled
 def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
     """A: the primitive of each orientation over the demonstrated paths; B: scaled to goals (Fig. 3.9)."""
     colours = ScalarMappable(Normalize(-180, 180), "turbo")
-    figure = Figure(figsize=(PAGE, 3.0), layout="compressed")
-    left, right = figure.subfigures(1, 2, width_ratios=(7.0, 3.5))
-    left.suptitle("A  primitives by the heading of their end, over demonstrated paths (grey)", fontsize=9.5)
-    panels = left.subplots(3, 6, sharex=True, sharey=True)
-    for which, axes in enumerate(panels.ravel()):
+    figure = Figure(figsize=(PAGE, 3.1))  # placed by hand: nested automatic layouts are not the same every time
+    panels = figure.add_gridspec(3, 6, left=0.045, right=0.645, bottom=0.13, top=0.86, wspace=0.12, hspace=0.3)
+    for which, axes in enumerate(panels.subplots(sharex=True, sharey=True).ravel()):
         if which < len(primitives):
             colour = colours.to_rgba(np.degrees(bin_heading(int(primitives.bins[which]))))
             _draw_bin(axes, primitives, which, paths, colour)
         else:
             axes.set_axis_off()
-    left.supxlabel("y, left [m]", fontsize=9)
-    left.supylabel("x, ahead [m]", fontsize=9)
-    _draw_scaled(right.subplots(), primitives, colours)
-    right.colorbar(colours, ax=right.axes, location="bottom", label="heading of the end [°]", shrink=0.9, aspect=30)
+    figure.text(0.345, 0.96, "A  primitives by the heading of their end, over demonstrated paths (grey)", **_TITLE)
+    figure.text(0.345, 0.02, "y, left [m]", ha="center", fontsize=9)
+    figure.text(0.008, 0.5, "x, ahead [m]", va="center", fontsize=9, rotation=90)
+    _draw_scaled(figure.add_axes((0.70, 0.30, 0.29, 0.60)), primitives, colours)
+    bar = figure.add_axes((0.73, 0.11, 0.23, 0.025))
+    figure.colorbar(colours, cax=bar, orientation="horizontal", label="heading of the end [°]")
     return figure
 
 
@@ -378,8 +382,9 @@ def stage_figures(
         Picture(
             local_paths_figure(log, paths),
             f"As Fig. 3.7: local paths (orange) cut from the demonstrator's drive (black), from the chair (red) to "
-            f"where a criterion ends them; the stick then (green), the beam that covers the end (blue), capped at the window "
-            f"(magenta), and what the scan hit (grey). {len(paths)} paths end so: {_end_counts(paths)}. {source}",
+            f"where a criterion ends them; the stick then (green), the beam that covers the end (blue), capped at the "
+            f"window (magenta), and what the scan hit (grey). {len(paths)} paths "
+            f"end so: {_end_counts(paths)}. {source}",
         )
     ]
     moments = telling_moments(model, log, paths, config)
