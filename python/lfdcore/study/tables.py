@@ -105,8 +105,10 @@ FRAMEWORK = (
     Metric("obedience", "user obedience", 2, "0.87+-0.11\n0.88+-0.09"),
     Metric("angular_error", "angular error\nbehind it [deg]", 0),
     Metric("path_compliance", "path compliance\n(share)", 2, "0.64+-0.33\n0.56+-0.40"),
+    Metric("tracked_compliance", "... while it was\ntracked (share)", 2),
     Metric("compliant_length", "compliant length [m]", 2),
     Metric("path_rmse", "path RMSE [m]", 3, "0.04+-0.03\n0.10+-0.07"),
+    Metric("path_rmse_ahead", "... of points agreed\nto, not reached [m]", 3),
     Metric("replans_per_metre", "replans per metre", 2),
 )
 

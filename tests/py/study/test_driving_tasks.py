@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import doorway_and_docking, narrow_gap
 from lfdcore.study.drivers import ImpairedConfig

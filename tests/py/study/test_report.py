@@ -7,9 +7,10 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+
 from lfdcore.study.report import Picture, Section, write_figures, write_report
 from lfdcore.study.tables import Table
-from matplotlib.figure import Figure
 
 
 def picture(height: float = 1.0) -> Picture:

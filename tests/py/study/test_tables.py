@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
+
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.study.courses import flat
 from lfdcore.study.driving import DrivingResult, DrivingStudy
 from lfdcore.study.driving_tasks import TaskResult, TaskStudy
 from lfdcore.study.statistics import paired_proportions_test
 from lfdcore.study.tables import DRIVING, FRAMEWORK, Table, driving_tables, task_tables
-from scipy import stats
 
 cells = st.text(st.characters(codec="ascii", categories=("L", "N")), min_size=1, max_size=24)
 
