@@ -113,6 +113,13 @@ FRAMEWORK = (
 )
 
 
+_DEFINITIONS = (
+    "The thesis does not define these to the letter; ours (study/metrics.py): path compliance counts path points that "
+    "complied at any later time; compliant length reaches to the last control point that complied while its path was "
+    "tracked; path RMSE is over the points passed by then, and would be the larger one with those ahead."
+)
+
+
 def _cell(values: Sequence[float], digits: int) -> str:
     """mean+-sd, and below it the 95 % interval of the mean."""
     s = summarise(values)
@@ -197,7 +204,7 @@ def _framework_table(result: DrivingResult) -> Table | None:
         f"Framework metrics (as Table 3.3; n = {result.study.drivers} simulated impaired drivers a column)",
         ("", *(f"{arm}\n{course}" for arm, course in pairs), "thesis\nsim., real"),
         tuple(rows),
-        "mean+-sd over drivers, below it the 95 % interval of the mean.",
+        "mean+-sd over drivers, below it the 95 % interval of the mean. " + _DEFINITIONS,
     )
 
 
@@ -257,7 +264,8 @@ def aims_table(result: DrivingResult, arm: str = "primitives") -> Table | None:
         f"Figures to reach, {arm_name(arm)} (n = {result.study.drivers} simulated drivers a course)",
         ("", "wanted", *(f"{course.name}\n({course.split})" for course in result.study.courses)),
         tuple(rows),
-        "Means over drivers; a ratio is that of the two arms' means. In brackets: what the course may be used for.",
+        "Means over drivers; a ratio is that of the two arms' means. In brackets: what the course may be used for. "
+        + _DEFINITIONS,
     )
 
 
