@@ -64,7 +64,7 @@ def _line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: An
 
 
 def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
-    axes.plot([point[1]], [point[0]], **{"marker": "o", "color": colour, "ms": size, "ls": "none", "zorder": 6} | more)
+    axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
 
 
 def _chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
@@ -244,7 +244,7 @@ def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
     colours = ScalarMappable(Normalize(-180, 180), "turbo")
     figure = Figure(figsize=(PAGE, 3.1))  # placed by hand: nested automatic layouts are not the same every time
     panels = figure.add_gridspec(3, 6, left=0.045, right=0.645, bottom=0.13, top=0.86, wspace=0.12, hspace=0.3)
-    for which, axes in enumerate(np.ravel(panels.subplots(sharex=True, sharey=True))):
+    for which, axes in enumerate(np.asarray(panels.subplots(sharex=True, sharey=True)).ravel()):
         if which < len(primitives):
             colour = _colour(colours, int(primitives.bins[which]))
             _draw_bin(axes, primitives, which, paths, colour)
