@@ -52,7 +52,7 @@ def draw_footprints(axes: Axes, poses: Array, footprint: Footprint, colour: str 
 def every(pose: Array, spacing: float) -> Array:
     """The poses (N, 3) about every `spacing` [m] along the way."""
     way = np.r_[0, np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))]
-    return pose[np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(pose) - 1)]
+    return np.asarray(pose[np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(pose) - 1)])
 
 
 def draw_run(axes: Axes, trace: DriveTrace) -> None:

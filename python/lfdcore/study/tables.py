@@ -26,7 +26,10 @@ class Table:
         widths = [max(len(line[k]) for line in lines) for k in range(len(self.header))]
 
         def show(line: Sequence[str]) -> str:
-            cells = [line[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(line[1:], widths[1:]))]
+            cells = [
+                line[0].ljust(widths[0]),
+                *(cell.rjust(width) for cell, width in zip(line[1:], widths[1:], strict=True)),
+            ]
             return "  ".join(cells).rstrip()
 
         rule = "  ".join("-" * width for width in widths)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from lfdcore.geometry import Footprint
 from lfdcore.study.metrics import (
     angular_jerk,
@@ -24,7 +25,9 @@ from lfdcore.study.metrics import (
 from lfdcore.study.trace import DriveTrace, Plan
 
 
-def make_trace(pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray) -> DriveTrace:
+def make_trace(
+    pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray
+) -> DriveTrace:
     n = len(pose)
     step = np.diff(pose, axis=0, prepend=pose[:1]) / period
     twist = np.stack([np.hypot(step[:, 0], step[:, 1]), step[:, 2]], axis=1)
