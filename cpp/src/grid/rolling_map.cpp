@@ -12,11 +12,11 @@
 namespace lfdcore {
 namespace {
 
-constexpr double resolution = 0.05;   // [m] of a cell
+constexpr double resolution = 0.025;  // [m] of a cell
 constexpr double smallest_side = 10;  // [m] of the square
 constexpr double beam_radius = 0.02;  // [m] a beam this near a point passes through what stood there ...
 constexpr double seen_beyond = 0.3;   // [m] ... if it goes on this far
-constexpr std::size_t usual_hits = 8192;
+constexpr std::size_t usual_hits = 16384;
 
 std::int64_t cell_of(double metres) {
   const double cells = metres / resolution;

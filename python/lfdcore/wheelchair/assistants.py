@@ -20,7 +20,7 @@ from lfdcore.control import (
     solve_dynamic_window,
     time_to_contact,
 )
-from lfdcore.geometry import Pose2, Twist2, integrate
+from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -125,8 +125,11 @@ class DriveAssistantConfig:
     planner: PlannerConfig = field(default_factory=PlannerConfig)
     compliance_threshold: float = 0.9
     """Below it a new path is requested (Sec. 3.4.3)."""
-    replan_after: float = 0.5
+    replan_after: float = 2.0
     """[s] A path is renewed at the latest after this, or long turns that look compliant circle; printed: never."""
+    replan_pause: float = 0.5
+    """[s] For so long a path stays that was incompliant already when it was made, unless the stick turns: asking again
+    at once would give the same; printed: 0."""
     map_duration: float = 30.0
     """Memory of the rolling map [s]; printed: the present scan only."""
     dead_zone: float = 0.05
@@ -141,6 +144,9 @@ class DriveAssistantConfig:
     """With contact ahead in less than this [s] on the present arc, slow in proportion; 0: never (printed)."""
     slowest_share: float = 0.35
     """... but not below this share."""
+    smoothing: float = 0.2
+    """Time constant [s] of the second-order low-pass on the command along a path, whose delay the pursuit looks ahead
+    by; 0: none (printed)."""
     supervisor: SupervisorConfig | None = field(default_factory=SupervisorConfig)
     """None: no supervisor (printed)."""
 
@@ -150,11 +156,37 @@ class DriveAssistantConfig:
         return DriveAssistantConfig(
             planner=PlannerConfig.thesis(),
             replan_after=float("inf"),
+            replan_pause=0.0,
             map_duration=0.0,
             no_path_share=0.0,
             slow_within=0.0,
+            smoothing=0.0,
             supervisor=None,
         )
+
+
+class _Smoother:
+    """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant."""
+
+    def __init__(self, time_constant: float, period: float = 0.1) -> None:
+        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-period / time_constant)
+        self._inner = self._outer = STOP
+
+    def restart(self, twist: Twist2) -> None:
+        """Goes on from what the chair is doing."""
+        self._inner = self._outer = twist
+
+    def filter(self, wanted: Twist2) -> Twist2:
+        """The smoothed twist; slowing down is never delayed."""
+        self._inner = _between(self._inner, wanted, self._share)
+        self._outer = _between(self._outer, self._inner, self._share)
+        if self._outer.linear > wanted.linear:
+            self._outer = Twist2(wanted.linear, self._outer.angular)
+        return self._outer
+
+
+def _between(a: Twist2, b: Twist2, share: float) -> Twist2:
+    return Twist2(a.linear + share * (b.linear - a.linear), a.angular + share * (b.angular - a.angular))
 
 
 @dataclass
@@ -163,6 +195,7 @@ class _Track:
 
     planned: PlannedPath
     stamp: float
+    joystick: tuple[float, float]
     path_odom: NDArray[np.float64]
     goal_odom: tuple[float, float]
 
@@ -188,11 +221,13 @@ class DriveAssistant:
             if self.config.supervisor is None
             else Supervisor(self.chair.footprint, self.chair.limits, self.config.supervisor)
         )
+        self._smoother = _Smoother(self.config.smoothing)
         self._track: _Track | None = None
 
     def reset(self) -> None:
         """Forgets all scans and the path."""
         self._surroundings.clear()
+        self._smoother.restart(STOP)
         self._track = None
 
     def update(self, observation: Observation) -> Assistance:
@@ -227,33 +262,40 @@ class DriveAssistant:
         return planned is not None
 
     def _due(self, track: _Track, observation: Observation) -> bool:
-        if observation.stamp - track.stamp >= self.config.replan_after - 1e-9:
+        age = observation.stamp - track.stamp
+        if age >= self.config.replan_after - 1e-9:
             return True
-        pursuit = self._pursue(track, observation)
-        return pursuit.at_end or self._compliance(pursuit, observation) < self.config.compliance_threshold
+        if self._pursue(track, observation, track.planned.look_ahead).at_end:
+            return True
+        if self._compliance(track, observation) >= self.config.compliance_threshold:
+            return False
+        return age >= self.config.replan_pause - 1e-9 or _angle_between(track.joystick, observation.joystick) > 0.1
 
-    def _compliance(self, pursuit: PurePursuitResult, observation: Observation) -> float:
-        return self.model.compliance.compliance(pursuit.control_point, np.array(observation.joystick))
+    def _compliance(self, track: _Track, observation: Observation) -> float:
+        """Of the point a whole look-ahead on, also where the pursuit itself looks less far (Sec. 3.4.3)."""
+        ahead = self._pursue(track, observation, self.config.planner.look_ahead)
+        return self.model.compliance.compliance(ahead.control_point, np.array(observation.joystick))
 
-    def _pursue(self, track: _Track, observation: Observation) -> PurePursuitResult:
+    def _pursue(self, track: _Track, observation: Observation, look_ahead: float) -> PurePursuitResult:
         """|v| <= vmax |stick| and |w| <= wmax |stick| (Sec. 3.4.2)."""
         share = min(1.0, float(np.hypot(*observation.joystick)))
         limits = self.chair.limits
         speed, turn = limits.max_linear * share, limits.max_angular * share
-        return pure_pursuit(track.path_odom, track.planned.look_ahead, speed, turn, pose=observation.pose)
+        pose = integrate(observation.pose, observation.twist, 2 * self.config.smoothing)
+        return pure_pursuit(track.path_odom, look_ahead, speed, turn, pose=pose)
 
     def _follow(self, track: _Track, observation: Observation, obstacles: ObstaclePoints, planned: bool) -> Assistance:
-        pursuit = self._pursue(track, observation)
+        pursuit = self._pursue(track, observation, track.planned.look_ahead)
         share = self._slow_share(pursuit.twist, obstacles)
         point = (float(pursuit.control_point[0]), float(pursuit.control_point[1]))
         return Assistance(
-            command=Twist2(pursuit.twist.linear * share, pursuit.twist.angular * share),
+            command=self._smoother.filter(Twist2(pursuit.twist.linear * share, pursuit.twist.angular * share)),
             mode="path",
             path=track.path_odom,
             planned=planned,
             goal=track.goal_odom,
             likelihood=track.planned.likelihood,
-            compliance=self._compliance(pursuit, observation),
+            compliance=self._compliance(track, observation),
             control_point=point,
         )
 
@@ -268,10 +310,16 @@ class DriveAssistant:
         if self._supervisor is None:
             return said
         allowed = self._supervisor.filter(said.command, observation.twist, obstacles)
+        if allowed.changed or said.mode != "path":
+            self._smoother.restart(allowed.twist)
         return replace(said, command=allowed.twist, supervised=allowed.changed)
 
 
 def _track(planned: PlannedPath, observation: Observation) -> _Track:
     goal = observation.pose.transform(np.array([planned.goal]))[0]
     path = observation.pose.transform(planned.path)
-    return _Track(planned, observation.stamp, path, (float(goal[0]), float(goal[1])))
+    return _Track(planned, observation.stamp, observation.joystick, path, (float(goal[0]), float(goal[1])))
+
+
+def _angle_between(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return abs(float(wrap_angle(np.arctan2(a[1], a[0]) - np.arctan2(b[1], b[0]))))

@@ -123,7 +123,7 @@ class ComplianceModel:
         left, right = low % _DIRECTIONS, (low + 1) % _DIRECTIONS
         near = (1 - across) * table[inner, left] + across * table[inner, right]
         far = (1 - across) * table[outer, left] + across * table[outer, right]
-        return (1 - along) * near + along * far
+        return np.asarray((1 - along) * near + along * far)
 
     def map(self, joystick: Floats) -> NDArray[np.float32]:
         """(100, 100) over the local window: compliance of every cell's centre within the look-ahead, 0 elsewhere
@@ -150,10 +150,13 @@ def control_points(path: Floats, distances: Floats) -> Floats:
     reach = np.maximum.accumulate(np.hypot(*path.T))
     after = np.searchsorted(reach, distances)
     reached = (after < len(path)) & (after > 0)
-    after = np.where(reached, after, 1 if len(path) > 1 else 0)
-    low, high = reach[after - 1], reach[after]
-    share = (distances - low) / np.maximum(high - low, 1e-12)
-    points = path[after - 1] + share[:, None] * (path[after] - path[after - 1])
+    after = np.where(reached, after, min(1, len(path) - 1))
+    start, step = path[after - 1], path[after] - path[after - 1]
+    # |start + share step| = distance
+    a, b = (step**2).sum(1), (start * step).sum(1)
+    c = (start**2).sum(1) - distances**2
+    share = (np.sqrt(np.maximum(b**2 - a * c, 0.0)) - b) / np.maximum(a, 1e-18)
+    points = start + np.clip(share, 0.0, 1.0)[:, None] * step
     return np.where(reached[:, None], points, np.nan)
 
 
@@ -163,4 +166,4 @@ def _direction(points: Floats) -> Floats:
 
 
 def _unit(sticks: Floats) -> Floats:
-    return sticks / np.linalg.norm(sticks, axis=-1, keepdims=True)
+    return np.asarray(sticks / np.linalg.norm(sticks, axis=-1, keepdims=True))

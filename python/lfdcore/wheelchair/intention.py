@@ -2,6 +2,11 @@
 
 Every cell that demonstrations ended in has a one-class RBF network over the stick and the one beam that covers the
 cell. All networks are asked at once; cells that lie beyond their beam are out of sight and get 0.
+
+A one-class network answers about 1 near its data, whether one demonstration ended there or fifty, and so the map has
+plateaus and its maximum jumps about. Beside its weight every centre therefore keeps a frequency: the demonstrations
+that lie nearest to it. The same Gaussians weighted with the frequencies say how often (a Parzen estimate), and a cell's
+likelihood is the weighted geometric mean of both answers; `frequency=0` is the thesis's.
 """
 
 from __future__ import annotations
@@ -37,7 +42,9 @@ class IntentionConfig:
     sigma_range: float = 0.2
     threshold: float = 0.01
     max_centres: int = 20
-    blur: float = 1.5
+    frequency: float = 0.5
+    floor: float = 0.01
+    blur: float = 3.0
     slack: float = 0.05
     dead_zone: float = 0.05
     mirror: bool = True
@@ -46,24 +53,31 @@ class IntentionConfig:
         for name in ("sigma_joystick", "sigma_range"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
                 raise ValueError(f"{name} is {getattr(self, name)}, must be positive and finite")
+        for name in ("frequency", "floor"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} is {getattr(self, name)}, must be between 0 and 1")
         if not (np.isfinite(self.blur) and 0 <= self.blur <= CELLS):
             raise ValueError(f"blur is {self.blur} cells, must be between 0 and {CELLS}")
 
     @classmethod
     def thesis(cls) -> IntentionConfig:
-        """One sigma of .3 (ERRATA F5), the maximum of the map as it is, no mirroring."""
-        return cls(sigma_joystick=0.3, sigma_range=0.3, blur=0.0, mirror=False)
+        """One sigma of .3 (ERRATA F5), the networks' bare answers, the maximum of the map as it is, no mirroring."""
+        return cls(sigma_joystick=0.3, sigma_range=0.3, frequency=0.0, floor=0.0, blur=0.0, mirror=False)
 
 
 class IntentionModel:
     """One network a cell; bank.keys are flat cell indices iy * 100 + ix of the local window. Does not depend on the
-    number of beams or the place of the laser it was learned with."""
+    number of beams or the place of the laser it was learned with. frequencies (M,): of the bank's centres."""
 
-    def __init__(self, bank: RbfNetworkBank, config: IntentionConfig) -> None:
+    def __init__(self, bank: RbfNetworkBank, frequencies: Floats, config: IntentionConfig) -> None:
         keys = np.asarray(bank.keys)
         if bank.dimensions != 3 or len(keys) == 0 or keys[0] < 0 or keys[-1] >= CELLS**2:
             raise ValueError(f"an intention model needs networks of 3 inputs for cells 0..{CELLS**2 - 1}")
-        self.bank, self.config = bank, config
+        if frequencies.shape != bank.weights.shape or not (frequencies >= 0).all() or not frequencies.sum() > 0:
+            raise ValueError(f"an intention model needs a frequency for each of its {len(bank.weights)} centres")
+        self.bank, self.frequencies, self.config = bank, frequencies, config
+        most = np.add.reduceat(frequencies, np.asarray(bank.offsets)[:-1]).max()  # so that nothing is clipped at 1
+        self._often = RbfNetworkBank(bank.keys, bank.offsets, bank.centres, frequencies / most, bank.sigma)
         self.cells: NDArray[np.int32] = keys.copy()
         self.centres = key_centres(self.cells)
         """(C, 2) [m]: the cells' centres in base_link"""
@@ -83,7 +97,9 @@ class IntentionModel:
         goal = np.concatenate([p.goal for p in parts])[usable]
         inputs = np.column_stack([_stick_inputs(joystick[usable], config), _range_inputs(beam_range, config)])
         network = RbfNetworkConfig(sigma=1.0, threshold=config.threshold, max_centres=config.max_centres)
-        return cls(RbfNetworkBank.fit(inputs, cell_keys(goal), network), config)
+        keys = cell_keys(goal)
+        bank = RbfNetworkBank.fit(inputs, keys, network)
+        return cls(bank, _frequencies(bank, inputs, keys), config)
 
     def predict(
         self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2, visible: NDArray[np.bool_] | None = None
@@ -94,14 +110,14 @@ class IntentionModel:
         (default: all that the beams see). All 0 also for a stick within the dead zone and a scan without a measurement.
         ValueError for a stick that is not finite or out of range.
         """
-        image = np.zeros(CELLS * CELLS, dtype=np.float32)
-        image[self.cells] = self.cell_likelihoods(joystick, scan, T_base_laser)
-        image = image.reshape(CELLS, CELLS)
+        image = np.zeros((CELLS, CELLS), dtype=np.float32)
+        image.flat[self.cells] = self.cell_likelihoods(joystick, scan, T_base_laser)
         allowed = None if visible is None else _checked_mask(visible)
         if allowed is not None:
             image = np.where(allowed, image, np.float32(0))
         if self.config.blur > 0:
-            image = cv2.GaussianBlur(image, (0, 0), self.config.blur, borderType=cv2.BORDER_CONSTANT)
+            blurred = cv2.GaussianBlur(image, (0, 0), self.config.blur, borderType=cv2.BORDER_CONSTANT)
+            image = np.asarray(blurred, dtype=np.float32)
             image = image if allowed is None else np.where(allowed, image, np.float32(0))
         total = float(image.sum(dtype=np.float64))
         return (image / np.float32(total)) if total > 0 else image
@@ -124,9 +140,16 @@ class IntentionModel:
         laser = self._view(scan, T_base_laser)
         measured = ranges[laser.beam]
         own = _range_inputs(np.minimum(measured, laser.cap), self.config)
-        likelihood = self.bank.predict(_stick_inputs(stick[None], self.config)[0], own[:, None])
+        likelihood = self._answers(_stick_inputs(stick[None], self.config)[0], own[:, None])
         out_of_sight = laser.covered & (laser.distance > measured + self.config.slack)
         return np.where(out_of_sight, 0.0, likelihood)
+
+    def _answers(self, stick: Floats, own: Floats) -> Floats:
+        whether, share = self.bank.predict(stick, own), self.config.frequency
+        whether[whether < self.config.floor] = 0.0
+        if share == 0:
+            return whether
+        return np.asarray(whether ** (1 - share) * self._often.predict(stick, own) ** share)
 
     def _view(self, scan: LaserScan, T_base_laser: Pose2) -> _LaserView:
         key = (len(scan.ranges), scan.angle_min, scan.angle_increment, *T_base_laser)
@@ -148,8 +171,19 @@ class _LaserView:
     cap: Floats
 
 
+def _frequencies(bank: RbfNetworkBank, inputs: Floats, keys: NDArray[np.int32]) -> Floats:
+    """How many training inputs lie nearest to each centre, among the centres of their own cell -> (M,)."""
+    offsets, counts = np.asarray(bank.offsets), np.zeros(len(bank.weights))
+    order = np.argsort(keys, kind="stable")
+    pieces = np.split(inputs[order], np.flatnonzero(np.diff(keys[order])) + 1)
+    for first, last, mine in zip(offsets[:-1], offsets[1:], pieces, strict=True):
+        squared = ((mine[:, None] - bank.centres[first:last]) ** 2).sum(2)
+        counts[first:last] = np.bincount(squared.argmin(1), minlength=last - first)
+    return counts
+
+
 def _stick_inputs(joystick: Floats, config: IntentionConfig) -> Floats:
-    return joystick / np.hypot(*joystick.T)[:, None] / config.sigma_joystick
+    return np.asarray(joystick / np.hypot(*joystick.T)[:, None] / config.sigma_joystick)
 
 
 def _range_inputs(beam_range: Floats, config: IntentionConfig) -> Floats:

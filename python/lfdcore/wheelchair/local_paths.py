@@ -116,45 +116,16 @@ class LocalPaths:
         for part in parts:
             dropped.update(part.dropped)
         return LocalPaths(
-            *(
-                np.concatenate([getattr(p, name) for p in parts])
-                for name in ("joystick", "beam_range", "goal", "end_yaw")
-            ),
+            np.concatenate([part.joystick for part in parts]),
+            np.concatenate([part.beam_range for part in parts]),
+            np.concatenate([part.goal for part in parts]),
+            np.concatenate([part.end_yaw for part in parts]),
             [path for part in parts for path in part.paths],
             np.concatenate([part.clearance for part in parts]),
             np.concatenate([part.reason for part in parts]),
             np.concatenate([part.stamp for part in parts]),
             dict(dropped),
         )
-
-
-def inferred_joystick(log: DriveLog, stamps: Floats, window: float = 0.5) -> Floats:
-    """The stick that would have given the drive of the last `window` [s]: for logs without one -> (N, 2).
-
-    Forward and left speed over the window before each stamp, divided by the log's own limits (the 99th percentile of
-    |v| and of |w| over the stamps) and clipped to [-1, 1]. Only the past enters each speed.
-    """
-    speeds = past_speeds(log, stamps, window)
-    limits = np.maximum(np.percentile(np.abs(speeds), 99, axis=0), 1e-6) if len(speeds) else np.ones(2)
-    return np.clip(speeds / limits, -1.0, 1.0)
-
-
-def past_speeds(log: DriveLog, stamps: Floats, window: float = 0.5) -> Floats:
-    """Mean speed ahead [m/s] and turn rate [rad/s] over the `window` [s] before each stamp -> (N, 2)."""
-    if len(stamps) == 0:
-        return np.zeros((0, 2))
-    now, before = log.pose_at(stamps), log.pose_at(stamps - window)
-    turn = wrap(now[:, 2] - before[:, 2])
-    middle = before[:, 2] + turn / 2
-    ahead = ((now - before)[:, :2] * np.stack([np.cos(middle), np.sin(middle)], 1)).sum(1)
-    return np.stack([ahead, turn], 1) / window
-
-
-def joystick_at_scans(log: DriveLog) -> Floats:
-    """(S, 2): the recorded stick at every scan, or the inferred one if the log has none."""
-    if len(log.joystick_stamp):
-        return np.asarray(log.joystick_at(log.scan_stamp), dtype=np.float64)
-    return inferred_joystick(log, log.scan_stamp)
 
 
 def beam_geometry(log: DriveLog) -> BeamGeometry:
@@ -165,7 +136,8 @@ def beam_geometry(log: DriveLog) -> BeamGeometry:
 def extract_local_paths(log: DriveLog, config: LocalPathConfig | None = None) -> LocalPaths:
     """Sec. 3.2: one local path from every scan of a log, where there is one.
 
-    ValueError if the log has no scan, no beam, or fewer than two odometry samples.
+    ValueError if the log has no scan, no beam, no joystick (lfdcore.datasets.joystick_from_motion infers one), or fewer
+    than two odometry samples.
     """
     config = config or LocalPathConfig()
     _check(log)
@@ -182,6 +154,8 @@ def _check(log: DriveLog) -> None:
             f"log {log.name!r} has {stamps} scans and {len(log.odometry_stamp)} odometry samples; "
             "at least 1 and 2 are needed to find a local path"
         )
+    if len(log.joystick_stamp) == 0:
+        raise ValueError(f"log {log.name!r} has no joystick; lfdcore.datasets.joystick_from_motion can infer one")
     if len(ranges) != 2 or ranges[0] != stamps or ranges[1] == 0:
         raise ValueError(f"log {log.name!r} has {stamps} scan stamps but ranges of shape {ranges}, must be (S, B)")
 
@@ -280,7 +254,7 @@ def _clean(log: DriveLog) -> Floats:
 
 def _collect(log: DriveLog, walk: _Walk, config: LocalPathConfig) -> LocalPaths:
     track = walk.track
-    joystick = joystick_at_scans(log)[track.scan]
+    joystick = np.asarray(log.joystick_at(log.scan_stamp[track.scan]), dtype=np.float64)
     paths = [_cut(track, *piece) for piece in zip(track.start, walk.end, walk.reason, strict=True)]
     cause = _causes(log, walk, joystick, paths, config)
     kept = np.flatnonzero(cause == "")

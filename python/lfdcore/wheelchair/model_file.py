@@ -103,6 +103,7 @@ class DriveAssistantModel:
     def _tensors(self) -> Tensors:
         primitives = self.primitives
         named = {f"primitives.{name}": getattr(primitives, name) for name in ("ends", "shapes", "bins", "counts")}
+        named["intention.frequencies"] = self.intention.frequencies
         for part, bank in (("intention", self.intention.bank), ("compliance", self.compliance.bank)):
             named |= {f"{part}.{name}": np.asarray(getattr(bank, name)) for name in _BANK}
         return named
@@ -113,7 +114,7 @@ class DriveAssistantModel:
         compliance: ComplianceConfig = _config(ComplianceConfig, header["compliance"])
         primitives = PathPrimitives(*(tensors[f"primitives.{name}"] for name in ("ends", "shapes", "bins", "counts")))
         return cls(
-            IntentionModel(_bank(tensors, "intention", 1.0), intention),
+            IntentionModel(_bank(tensors, "intention", 1.0), tensors["intention.frequencies"], intention),
             primitives,
             ComplianceModel(_bank(tensors, "compliance", compliance.sigma), compliance),
             _clearance(header["clearance"]),
@@ -128,7 +129,8 @@ def _clearance(value: float) -> float:
 
 
 def _bank(tensors: Tensors, part: str, sigma: float) -> RbfNetworkBank:
-    return RbfNetworkBank(*(tensors[f"{part}.{name}"] for name in _BANK), sigma)
+    keys, offsets, centres, weights = (tensors[f"{part}.{name}"] for name in _BANK)
+    return RbfNetworkBank(keys, offsets, centres, weights, sigma)
 
 
 def _config(kind: type[Any], values: dict[str, Any]) -> Any:

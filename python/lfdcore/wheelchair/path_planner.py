@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.control import FootprintRollout, FootprintRolloutConfig, rollout_pursuit
-from lfdcore.geometry import Pose2, Twist2, arc_length
+from lfdcore.geometry import Footprint, Pose2, Twist2, arc_length
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, inflate
 from lfdcore.planning import (
     DppConfig,
@@ -50,6 +50,8 @@ class PlannerConfig:
     """Radius [m] around base_link that is never blocked by inflation, so that a chair beside a wall can plan."""
     shortest: float = 0.35
     """Paths shorter than this [m] lead nowhere and are refused."""
+    goals_comply: bool = True
+    """Weigh each goal by the compliance of its primitive, so that a path is not let go at once; printed: no."""
     look_ahead: float = 0.8
     """Of pure pursuit [m] (Sec. 3.4.2)."""
     tight_look_ahead: float = 0.3
@@ -61,7 +63,7 @@ class PlannerConfig:
     def thesis() -> PlannerConfig:
         """The printed loop: soft obstacles, K - 1 = 99 sweeps, no inflation, no footprint."""
         return PlannerConfig(
-            dpp=DppConfig(sweeps=99, blocked=False), inflations=(0.0,), check_footprint=False, start_clear=0.0
+            dpp=DppConfig(sweeps=99, blocked=False), inflations=(0.0,), check_footprint=False, start_clear=0.0, goals_comply=False
         )
 
 
@@ -104,8 +106,18 @@ class PathPlanner:
         self.config = config
         self.chair = chair
         self._near_start = np.linalg.norm(cell_centres(), axis=2) < config.start_clear
+        self._goal_cells, self._control_points = self._control_points_of_goals()
         self._dpp = DppSolver(config.dpp)
         self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
+
+    def _control_points_of_goals(self) -> tuple[tuple[NDArray[np.intp], ...], NDArray[np.float64]]:
+        """Cells that may be a goal (iy, ix), and the point a look-ahead on along the primitive to each (N, 2) [m]."""
+        centres = cell_centres()
+        far = np.nonzero(np.linalg.norm(centres, axis=2) >= self.config.shortest)
+        paths = self.model.primitives.scaled_to_all(centres[far])
+        travelled = np.cumsum(np.linalg.norm(np.diff(paths, axis=1), axis=2), axis=1)
+        reached = np.minimum((travelled < self.config.look_ahead).sum(axis=1), paths.shape[1] - 1)
+        return far, paths[np.arange(len(paths)), reached]
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
         """A path for the driver's input; None if nothing is intended or nothing leads there without contact.
@@ -114,27 +126,35 @@ class PathPlanner:
         """
         joystick = np.array(observation.joystick)
         intention = self.model.intention.predict(joystick, observation.scan, self.chair.T_base_laser, grid.data == 0)
+        if self.config.goals_comply:
+            intention[self._goal_cells] *= self.model.compliance.compliances(self._control_points, joystick)
         found = self.model.intention.goal(intention)
         if found is None:
             return None
         goal, likelihood = found
         primitive = self.model.primitives.scaled_to(goal)
+        drawn = self._draw_widest(grid, primitive)
+        if drawn is None:
+            return None
+        drivable = self._drivable(drawn[0], obstacles, observation.twist)
+        if drivable is None:
+            return None
+        return PlannedPath(
+            **drivable._asdict(),
+            goal=(float(goal[0]), float(goal[1])),
+            likelihood=likelihood,
+            primitive=primitive,
+            intention=intention,
+            reward=drawn[1],
+        )
+
+    def _draw_widest(
+        self, grid: OccupancyGrid, primitive: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float32]] | None:
+        """The path that keeps the widest of the inflations free."""
         occupied = grid.occupied_mask()
-        for inflation in self.config.inflations:
-            drawn = self._draw(occupied, grid, primitive, inflation)
-            if drawn is None:
-                continue
-            drivable = self._drivable(drawn[0], obstacles, observation.twist)
-            if drivable is not None:
-                return PlannedPath(
-                    **drivable._asdict(),
-                    goal=(float(goal[0]), float(goal[1])),
-                    likelihood=likelihood,
-                    primitive=primitive,
-                    intention=intention,
-                    reward=drawn[1],
-                )
-        return None
+        drawings = (self._draw(occupied, grid, primitive, inflation) for inflation in self.config.inflations)
+        return next((drawn for drawn in drawings if drawn is not None), None)
 
     def _draw(
         self, occupied: NDArray[np.bool_], grid: OccupancyGrid, primitive: NDArray[np.float64], inflation: float
@@ -167,10 +187,22 @@ class PathPlanner:
         rollout = rollout_pursuit(path, obstacles, body, self.chair.limits, twist, config=config.rollout)
         if np.isinf(rollout.time_to_contact):
             return _Drivable(path, "dpp", config.look_ahead, rollout)
-        found = self._hybrid_astar.solve(obstacles, Pose2(), path[-1])
+        end = self._last_free(path, obstacles, body)
+        if end is None:
+            return None
+        found = self._hybrid_astar.solve(obstacles, Pose2(), path[end])
         if not found.found:
             return None
         return _Drivable(found.path[:, :2], "hybrid_astar", config.tight_look_ahead, rollout)
+
+    def _last_free(self, path: NDArray[np.float64], obstacles: ObstaclePoints, body: Footprint) -> int | None:
+        """The path's last point on which the body, turned along the path, touches nothing."""
+        heading = np.arctan2(*np.gradient(path, axis=0).T[::-1])
+        shortest = int(np.searchsorted(arc_length(path), self.config.shortest))
+        for i in range(len(path) - 1, shortest, -2):
+            if not obstacles.collides(Pose2(path[i, 0], path[i, 1], heading[i]), body):
+                return i
+        return None
 
 
 def smooth(path: NDArray[np.float64], half_window: int = 3) -> NDArray[np.float64]:

@@ -12,11 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
+from lfdcore.grid import distance_field, local_grid
+from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 Floats = NDArray[np.float64]
+_DOUBT = 0.02  # of a vote stays where a place is narrower than all that was demonstrated
 
 
 @dataclass(frozen=True)
@@ -67,14 +68,20 @@ class PathPredictor:
         (stick at rest, scan without a measurement, nothing like it in the demonstrations)."""
         if self.config.rule == "goal":
             return self._to_goal(self.model.intention.predict(joystick, scan, T_base_laser))
-        votes = self.model.intention.cell_likelihoods(joystick, scan, T_base_laser)
-        if self.config.edge > 0 and self.model.clearance > 0 and votes.any():
-            votes = votes * self._free(scan, T_base_laser)
+        votes = self.votes(joystick, scan, T_base_laser)
         voters = np.flatnonzero(votes > 1e-3 * votes.max(initial=0.0))
         if len(voters) == 0:
             return None
         median = geometric_median(self._paths[voters], votes[voters], self.config.iterations)
         return along(median, self.config.reach, self.config.points)
+
+    def votes(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats:
+        """How much each cell's primitive counts (C,), in the order of the intention model's `cells`: the cell's
+        likelihood, less if the primitive comes nearer to what the scan shows than demonstrations did."""
+        votes = self.model.intention.cell_likelihoods(joystick, scan, T_base_laser)
+        if self.config.edge == 0 or self.model.clearance == 0 or not votes.any():
+            return votes
+        return votes * self._free(scan, T_base_laser)
 
     def _to_goal(self, likelihood: NDArray[np.float32]) -> Floats | None:
         found = self.model.intention.goal(likelihood)
@@ -84,22 +91,13 @@ class PathPredictor:
 
     def _free(self, scan: LaserScan, T_base_laser: Pose2) -> Floats:
         clearance = clearance_field(scan, T_base_laser).ravel()[self._cells].min(axis=1)
-        return 1.0 / (1.0 + np.exp(np.clip((self.model.clearance - clearance) / self.config.edge, -50, 50)))
+        vote = 1.0 / (1.0 + np.exp(np.clip((self.model.clearance - clearance) / self.config.edge, -50, 50)))
+        return np.asarray(np.maximum(vote, _DOUBT))
 
 
 def clearance_field(scan: LaserScan, T_base_laser: Pose2) -> NDArray[np.float32]:
-    """(100, 100) [m]: from each cell of the local window to the nearest cell that a beam hit; 1e6 without a hit."""
-    laser = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
-    free = np.ones((CELLS, CELLS), np.uint8)
-    cells = np.floor((laser.hits(scan.ranges, scan.range_max) + WINDOW) / RESOLUTION)
-    inside = ((cells >= 0) & (cells < CELLS)).all(axis=1)
-    if not inside.any():
-        return np.full((CELLS, CELLS), 1e6, np.float32)
-    ix, iy = cells[inside].astype(np.intp).T
-    free[iy, ix] = 0
-    return np.asarray(cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32) * np.float32(
-        RESOLUTION
-    )
+    """(100, 100) [m]: from each cell of the local window to the nearest cell that a beam hit; inf without a hit."""
+    return np.asarray(distance_field(local_grid(scan, T_base_laser).occupied_mask(), RESOLUTION))
 
 
 def geometric_median(paths: Floats, weights: Floats, iterations: int) -> Floats:
@@ -110,7 +108,7 @@ def geometric_median(paths: Floats, weights: Floats, iterations: int) -> Floats:
     for _ in range(iterations):
         pull = weight / np.maximum(np.hypot(*(points - median[:, :, None])), 0.01)
         median = (points * pull).sum(axis=2) / pull.sum(axis=1)
-    return median.T
+    return np.asarray(median.T)
 
 
 def along(path: Floats, reach: float, points: int) -> Floats:
@@ -124,4 +122,4 @@ def along(path: Floats, reach: float, points: int) -> Floats:
     back = min(int(np.searchsorted(length, length[-1] - 0.25)), len(path) - 2)
     ahead = (path[-1] - path[back]) / np.linalg.norm(path[-1] - path[back]).clip(min=1e-9)
     inside = np.stack([np.interp(at, length, path[:, axis]) for axis in (0, 1)], 1)
-    return inside + np.maximum(at - length[-1], 0.0)[:, None] * ahead
+    return np.asarray(inside + np.maximum(at - length[-1], 0.0)[:, None] * ahead)

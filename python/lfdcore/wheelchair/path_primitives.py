@@ -86,14 +86,14 @@ class PathPrimitives:
 
     def nearest(self, goals: Floats) -> NDArray[np.intp]:
         """Which primitive suits goals (N, 2) [m]: the one with the nearest average end point -> (N,)."""
-        return ((goals[:, None] - self.ends) ** 2).sum(2).argmin(1)
+        return np.asarray(((goals[:, None] - self.ends) ** 2).sum(2).argmin(1))
 
     def scaled_to(self, goal: Floats) -> Floats:
         """The nearest primitive turned and stretched to end at `goal` (2,) [m] -> (points, 2).
 
         ValueError for a goal that is not finite or lies at the origin: no similarity reaches it.
         """
-        return self.scaled_to_all(np.asarray(goal, dtype=np.float64).reshape(1, 2))[0]
+        return np.asarray(self.scaled_to_all(np.asarray(goal, dtype=np.float64).reshape(1, 2))[0])
 
     def scaled_to_all(self, goals: Floats) -> Floats:
         """scaled_to for goals (N, 2) [m] -> (N, points, 2)."""

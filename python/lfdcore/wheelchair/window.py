@@ -20,7 +20,8 @@ def cell_keys(points: NDArray[np.float64]) -> NDArray[np.int32]:
 
 def key_centres(keys: NDArray[np.int32]) -> NDArray[np.float64]:
     """Flat cell indices (N,) -> centres (N, 2) [m] in base_link."""
-    return (np.stack([keys % CELLS, keys // CELLS], 1) + 0.5) * RESOLUTION - WINDOW
+    cells = np.stack([keys % CELLS, keys // CELLS], 1).astype(np.float64)
+    return (cells + 0.5) * RESOLUTION - WINDOW
 
 
 def cell_centres() -> NDArray[np.float64]:

@@ -10,7 +10,8 @@
 
 namespace lfdcore {
 
-/// Cells of 0.05 m aligned with the odometry frame, in a square of at least 10 x 10 m around the robot. A cell keeps
+/// Cells of 0.025 m aligned with the odometry frame, in a square of at least 10 x 10 m around the robot (half the local
+/// window's cells: with one point a cell of 0.05 m the near corner of a post can go unremembered). A cell keeps
 /// the exact point of its last hit, so that obstacles are not rounded to cells, and when it was last seen free.
 ///
 /// A point is forgotten when it is older than `duration`, when the square leaves it behind, or when a later beam passes
