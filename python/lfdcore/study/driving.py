@@ -132,6 +132,6 @@ def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> lis
         row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
         row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
         if trace.plans:
-            row |= asdict(framework_metrics(trace, model.compliance, every=5))
+            row |= asdict(framework_metrics(trace, model.compliance))
         rows.append(row)
     return rows

@@ -233,7 +233,7 @@ TEST(Supervisor, refuses_bad_input) {
   config.reaction = 0.05;
   EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
   config = {};
-  config.slow_margin = 0.05;
+  config.slow_margin = 2 * config.margin;
   EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
   MotionLimits limits;
   limits.linear_braking = 1e-3;
