@@ -164,7 +164,9 @@ def test_a_plan_counts_only_until_the_next_one_or_until_there_is_no_path() -> No
     path = np.stack([np.linspace(0, 4, 81), np.zeros(81)], 1)
     replaced = make_trace(straight_drive(), plans=(Plan(0.0, path), Plan(1.0, path)))
     assert use_of_plan(replaced, 0).compliant_length == pytest.approx(0.5 + 0.8, abs=0.06)
-    dropped = make_trace(straight_drive(), plans=(Plan(0.0, path),), compliance=np.where(np.arange(101) < 20, 1.0, np.nan))
+    dropped = make_trace(
+        straight_drive(), plans=(Plan(0.0, path),), compliance=np.where(np.arange(101) < 20, 1.0, np.nan)
+    )
     assert use_of_plan(dropped, 0).compliant_length == pytest.approx(1.0 + 0.8, abs=0.06)
 
 
