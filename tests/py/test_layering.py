@@ -17,6 +17,7 @@ MAY_IMPORT = {
     "wheelchair": FACADES | {"datasets"},
     "study": FACADES | {"datasets", "wheelchair"},
     "cli": FACADES | {"datasets", "wheelchair", "study"},
+    "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion"}
 MAY_INCLUDE = {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from lfdcore.geometry import Footprint
 from lfdcore.study.metrics import (
     angular_jerk,
