@@ -6,11 +6,11 @@ along a log is that of Sec. 3.5.2: a path point p that was predicted at t is com
 which p' lies within the look-ahead that compliance is defined for (and, so that a later visit to the same place does
 not count, before the robot has driven the path's reach and the look-ahead).
 
-What an inferred stick means. Straight ahead and full left are the same stick on two vehicles, but not the same curve:
-freiburg-079's robot turns 1.2 rad per metre at full deflection of both, the wheelchair SENA .19. Read by each log's own
-limits, SENA's gentle curves become a stick that asks for corners. `demonstrated` therefore divides the velocities of a
-log without a recorded joystick by limits that stand in the demonstrations' proportion, so that a stick's direction means
-the curvature that it meant when the model was learned; `own` divides them by the log's own.
+What an inferred stick means. The same stick is not the same curve on two vehicles: fully ahead and fully left,
+freiburg-079's robot turns 1.2 rad per metre, the wheelchair SENA .19. Read by its own limits, SENA's gentle curves
+become a stick that asks for corners. `demonstrated` therefore divides the velocities of a log without a recorded
+joystick by limits that stand in the demonstrations' proportion: a stick's direction means the curvature that it meant
+when the model was learned. `own` divides them by the log's own limits.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from lfdcore.datasets.motion import motion_limits, windowed_twist
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, Twist2, arc_length
 from lfdcore.study import path_error
-from lfdcore.study.statistics import block_bootstrap
 from lfdcore.study.path_error import ARC, REACH, REACHES, PathSamples, at_arc_lengths, path_errors, path_samples
+from lfdcore.study.statistics import block_bootstrap
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
 from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
 
@@ -153,7 +153,9 @@ def full_deflection(log: DriveLog) -> Twist2:
     return Twist2(*found)
 
 
-def with_stick(log: DriveLog, model: DriveAssistantModel, meaning: StickMeaning = StickMeaning.demonstrated) -> DriveLog:
+def with_stick(
+    log: DriveLog, model: DriveAssistantModel, meaning: StickMeaning = StickMeaning.demonstrated
+) -> DriveLog:
     """The log with the driver's input; recorded ones are left alone. See the module for what `meaning` decides; a
     model that does not say what full deflection meant (of several demonstrations: the geometric mean) leaves `own`."""
     said = np.array(model.metadata.get("full_deflection", []), float).reshape(-1, 2)
@@ -181,13 +183,21 @@ def predict_log(
     """
     usable = len(log.scan_stamp) and len(log.odometry_stamp) > 1
     samples = path_samples(log) if usable else _no_samples()
-    tell, total = progress or (lambda done, of: None), len(samples) * len(models)
-    tell(0, total)
-    found = {}
-    for number, (name, model) in enumerate(models.items()):
-        before = number * len(samples)
-        found[name] = _along_log(log, samples, model, config, meaning, lambda k, b=before: tell(b + k, total))
+    tell = _Counter(progress or (lambda done, of: None), len(samples) * len(models))
+    found = {name: _along_log(log, samples, model, config, meaning, tell) for name, model in models.items()}
     return LogPrediction(log, samples, found)
+
+
+class _Counter:
+    """Tells how many predictions are done, of all models together"""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress, self._total, self._done = progress, total, 0
+        progress(0, total)
+
+    def __call__(self) -> None:
+        self._done += 1
+        self._progress(self._done, self._total)
 
 
 def _no_samples() -> PathSamples:
@@ -200,7 +210,7 @@ def _along_log(
     model: DriveAssistantModel,
     config: PathPredictionConfig | None,
     meaning: StickMeaning,
-    tell: Callable[[int], None],
+    tell: _Counter,
 ) -> ModelPaths:
     driven = with_stick(log, model, meaning)
     sticks, predictor = driven.joystick_at(driven.scan_stamp), PathPredictor(model, config)
@@ -210,7 +220,7 @@ def _along_log(
         missing[k] = path is None
         if path is not None:
             paths[k] = at_arc_lengths(path)
-        tell(k + 1)
+        tell()
     compliant = compliant_points(driven, samples, paths, model) & ~missing[:, None]
     told = driven.metadata.get("joystick", "as recorded")
     return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), told)
@@ -244,7 +254,7 @@ def compliant_points(
 
 def _way(log: DriveLog) -> Array:
     """(S,) [m] driven up to each scan by odometry"""
-    return np.interp(log.scan_stamp, log.odometry_stamp, arc_length(log.pose[:, :2]))
+    return np.asarray(np.interp(log.scan_stamp, log.odometry_stamp, arc_length(log.pose[:, :2])))
 
 
 def _deviations(paths: Array, driven: Array) -> Array:
@@ -272,8 +282,9 @@ def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
         low, high = block_bootstrap(columns, blocks, seed)
         for k, (name, e) in enumerate(errors.items()):
             d = k + len(errors)
-            values = (e.mean(), low[k], high[k], np.median(e), columns[:, d].mean(), low[d], high[d])
-            rows.append(ErrorRow(name, reach, len(e), *map(float, values), best))
+            own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
+            paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
+            rows.append(ErrorRow(name, reach, len(e), *own, *paired, best))
     return rows
 
 
@@ -283,16 +294,19 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
         name: {
             "missing": float(paths.missing.mean()) if len(paths.missing) else None,
             "compliant": float(paths.compliant.mean()) if len(paths.missing) else None,
-            "rmse_compliant": None if np.isnan(paths.rmse) else paths.rmse,
+            "rmse_compliant": _or_none(paths.rmse),
             "stick": paths.stick,
         }
         for name, paths in prediction.models.items()
     }
     rows = [
-        {key: None if value != value else value for key, value in dataclasses.asdict(row).items()}
-        for row in error_rows(prediction, seed)
+        {key: _or_none(value) for key, value in dataclasses.asdict(row).items()} for row in error_rows(prediction, seed)
     ]
     return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
+
+
+def _or_none(value: Any) -> Any:
+    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:
@@ -303,9 +317,9 @@ def as_text(prediction: LogPrediction, seed: int = 1) -> str:
     rows = [_cells(row) for row in error_rows(prediction, seed)]
     widths = [max(len(line[k]) for line in (header, *rows)) for k in range(len(header))]
     lines = [f"{prediction.log.name}: path error"]
-    for line in (header, *rows):
-        first, *others = (cell.ljust(w) if not k else cell.rjust(w) for k, (cell, w) in enumerate(zip(line, widths)))
-        lines.append("  ".join([first, *others]).rstrip())
+    for first, *others in (header, *rows):
+        cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
     lines += [_about(name, paths) for name, paths in prediction.models.items()]
     return "\n".join(lines) + "\n"
 
