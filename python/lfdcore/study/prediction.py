@@ -19,12 +19,13 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.datasets import joystick_from_motion
+from lfdcore.datasets import joystick_from_motion, open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import motion_limits, windowed_twist
 from lfdcore.errors import DataError
@@ -50,6 +51,17 @@ class StickMeaning(StrEnum):
 
     demonstrated = "demonstrated"
     own = "own"
+
+
+TRAINING, SHARE = "freiburg-079-corrected.log.gz", 0.7
+"""The log of docs/real-logs.md to learn from, and the first share of its scans that is learned"""
+OTHERS = (
+    "fhw-corrected.log.gz",
+    "aces-corrected.log.gz",
+    "freiburg-101-corrected.log.gz",
+    "sena-wheelchair-one-loop.rawlog",
+)
+"""Logs never learned from; seattle-corrected.log.gz is for the final table only"""
 
 
 @dataclass(frozen=True)
@@ -198,6 +210,21 @@ class _Counter:
     def __call__(self) -> None:
         self._done += 1
         self._progress(self._done, self._total)
+
+
+def predict_real_logs(
+    folder: Path,
+    others: Sequence[str] = OTHERS,
+    thesis: bool = False,
+    meaning: StickMeaning = StickMeaning.demonstrated,
+) -> list[LogPrediction]:
+    """The run of docs/real-logs.md on a folder of logs: learns on the first 70 % of freiburg-079 by scan, predicts on
+    its rest and on `others`; `thesis`: the printed form of learning and prediction."""
+    log = open_log(folder / TRAINING)
+    model = learn_from_logs([log], SHARE, LearningConfig.thesis() if thesis else None)
+    config = PathPredictionConfig.thesis() if thesis else None
+    judged = [log.share(SHARE, 1.0), *(open_log(folder / name) for name in others)]
+    return [predict_log(one, {"thesis" if thesis else "default": model}, config, meaning) for one in judged]
 
 
 def _no_samples() -> PathSamples:
