@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import cv2
 import numpy as np
@@ -40,7 +39,7 @@ def scan_map(log: DriveLog, resolution: float = 0.05) -> OccupancyGrid:
     poses = [Pose2(*pose) * log.T_base_laser for pose in log.pose_at(log.scan_stamp[used])]
     angle = log.angle_min + log.angle_increment * np.arange(log.ranges.shape[1])
     ranges = np.nan_to_num(np.asarray(log.ranges[used], np.float64), nan=0.0, posinf=_SEEN)
-    ends = np.array([_ends(*item, angle) for item in zip(poses, ranges, strict=True)])
+    ends = np.array([_ends(pose, measured, angle) for pose, measured in zip(poses, ranges, strict=True)])
     origins = np.array([[pose.x, pose.y] for pose in poses])
     corner, extent = _extent(np.vstack([origins, ends.reshape(-1, 2)]))
     resolution = max(resolution, float(extent.max()) / _SIDE)
@@ -72,7 +71,7 @@ def _spread(log: DriveLog) -> NDArray[np.int_]:
     return scans[np.unique(stretch, return_index=True)[1]]
 
 
-def _ends(pose: Pose2, ranges: NDArray[np.floating[Any]], angle: Array) -> Array:
+def _ends(pose: Pose2, ranges: Array, angle: Array) -> Array:
     reach = np.minimum(ranges, _SEEN)[:, None]
     return np.asarray(pose.transform(reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)))
 
