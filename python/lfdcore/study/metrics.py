@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
@@ -285,12 +286,13 @@ def goal_errors(trace: DriveTrace) -> Array:
 
 
 def framework_metrics(trace: DriveTrace, compliance: ComplianceModel, every: int = 5) -> FrameworkMetrics:
-    """Metrics of an assistant's plans in a run; NaN without plans. `every` how many plans one is asked at length for its
-    path compliance, the slow one."""
+    """Metrics of an assistant's plans in a run; NaN without plans. Path compliance, the slow one, is asked of one plan
+    in `every`."""
     uses = [use_of_plan(trace, number) for number in range(len(trace.plans))]
     errors = goal_errors(trace)
     if not uses:
-        return FrameworkMetrics(*[float("nan")] * 7, replans_per_metre=0.0, plans=0)
+        nan = float("nan")
+        return FrameworkMetrics(nan, nan, nan, nan, nan, nan, nan, replans_per_metre=0.0, plans=0)
     return FrameworkMetrics(
         obedience=float(np.exp(-0.003 * errors).mean()) if len(errors) else float("nan"),
         angular_error=float(errors.mean()) if len(errors) else float("nan"),

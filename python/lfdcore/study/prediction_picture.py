@@ -37,7 +37,7 @@ def scan_map(log: DriveLog, resolution: float = 0.05) -> OccupancyGrid:
     """
     used = _spread(log)
     poses = [Pose2(*pose) * log.T_base_laser for pose in log.pose_at(log.scan_stamp[used])]
-    angle = log.angle_min + log.angle_increment * np.arange(log.ranges.shape[1])
+    angle: Array = log.angle_min + log.angle_increment * np.arange(log.ranges.shape[1], dtype=np.float64)
     ranges = np.nan_to_num(np.asarray(log.ranges[used], np.float64), nan=0.0, posinf=_SEEN)
     ends = np.array([_ends(pose, measured, angle) for pose, measured in zip(poses, ranges, strict=True)])
     origins = np.array([[pose.x, pose.y] for pose in poses])

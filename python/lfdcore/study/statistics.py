@@ -77,7 +77,7 @@ def block_bootstrap(values: Array, blocks: NDArray[np.int_], seed: int, draws: i
     """95 % percentile intervals of the means of values (n, k) whose neighbours are correlated -> low (k,), high (k,).
 
     Whole blocks are drawn with replacement: blocks (n,) says which block a value belongs to. NaN for fewer than 2
-    blocks. The same seed gives the same interval (Kuensch 1989, with blocks that do not overlap).
+    blocks. The same seed gives the same interval (blocks do not overlap: Carlstein 1986).
     """
     x = np.asarray(values, float)
     if x.ndim != 2 or np.shape(blocks) != (len(x),):
@@ -91,3 +91,12 @@ def block_bootstrap(values: Array, blocks: NDArray[np.int_], seed: int, draws: i
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), size=draws)
     low, high = np.percentile((drawn @ sums) / (drawn @ sizes)[:, None], [2.5, 97.5], axis=0)
     return low, high
+
+
+def paired_proportions_test(a: ArrayLike, b: ArrayLike) -> float:
+    """McNemar's exact test of two paired yes/no samples (n,): two-sided p; 1 if no pair differs."""
+    x, y = np.asarray(a, bool), np.asarray(b, bool)
+    if x.shape != y.shape:
+        raise ValueError(f"paired samples have shapes {x.shape} and {y.shape}, must be equal")
+    gained, lost = int((~x & y).sum()), int((x & ~y).sum())
+    return 1.0 if gained + lost == 0 else float(stats.binomtest(gained, gained + lost).pvalue)

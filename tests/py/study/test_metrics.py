@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from lfdcore.geometry import Footprint
 from lfdcore.study.metrics import (
     angular_jerk,
@@ -25,7 +26,9 @@ from lfdcore.study.metrics import (
 from lfdcore.study.trace import DriveTrace, Plan
 
 
-def make_trace(pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray) -> DriveTrace:
+def make_trace(
+    pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray
+) -> DriveTrace:
     n = len(pose)
     step = np.diff(pose, axis=0, prepend=pose[:1]) / period
     twist = np.stack([np.hypot(step[:, 0], step[:, 1]), step[:, 2]], axis=1)
@@ -161,7 +164,9 @@ def test_a_plan_counts_only_until_the_next_one_or_until_there_is_no_path() -> No
     path = np.stack([np.linspace(0, 4, 81), np.zeros(81)], 1)
     replaced = make_trace(straight_drive(), plans=(Plan(0.0, path), Plan(1.0, path)))
     assert use_of_plan(replaced, 0).compliant_length == pytest.approx(0.5 + 0.8, abs=0.06)
-    dropped = make_trace(straight_drive(), plans=(Plan(0.0, path),), compliance=np.where(np.arange(101) < 20, 1.0, np.nan))
+    dropped = make_trace(
+        straight_drive(), plans=(Plan(0.0, path),), compliance=np.where(np.arange(101) < 20, 1.0, np.nan)
+    )
     assert use_of_plan(dropped, 0).compliant_length == pytest.approx(1.0 + 0.8, abs=0.06)
 
 
