@@ -141,10 +141,15 @@ def _load(files: list[Path]) -> dict[str, DriveAssistantModel]:
 
 
 def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:
+    from lfdcore.study.plots import png
     from lfdcore.study.prediction_picture import prediction_figure
 
     if all(prediction.outcome for prediction in predictions):
         typer.echo(f"{picture} is not drawn: no log has a sample", err=True)
         return
-    prediction_figure(predictions, outline).savefig(picture, dpi=150)
+    figure = prediction_figure(predictions, outline)
+    if picture.suffix.lower() == ".png":
+        picture.write_bytes(png(figure, dpi=150))
+    else:
+        figure.savefig(picture, bbox_inches="tight")
     typer.echo(f"picture: {picture}", err=True)

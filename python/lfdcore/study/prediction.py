@@ -316,24 +316,18 @@ def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
 
 
 def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
-    """All figures of one log in JSON values (NaN where there is none)."""
+    """All figures of one log by name; None or NaN where there is none."""
     about = {
         name: {
             "missing": float(paths.missing.mean()) if len(paths.missing) else None,
             "compliant": float(paths.compliant.mean()) if len(paths.missing) else None,
-            "rmse_compliant": _or_none(paths.rmse),
+            "rmse_compliant": paths.rmse,
             "stick": paths.stick,
         }
         for name, paths in prediction.models.items()
     }
-    rows = [
-        {key: _or_none(value) for key, value in dataclasses.asdict(row).items()} for row in error_rows(prediction, seed)
-    ]
+    rows = [dataclasses.asdict(row) for row in error_rows(prediction, seed)]
     return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
-
-
-def _or_none(value: Any) -> Any:
-    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:

@@ -16,7 +16,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.path_error import REACH
-from lfdcore.study.plots import DISCARDED, FOLLOWED, GIVEN, draw_footprints, draw_grid, every
+from lfdcore.study.plots import BODY, DISCARDED, FOLLOWED, draw_footprints, draw_grid, every, styled
 from lfdcore.study.prediction import LogPrediction
 
 Array = NDArray[np.float64]
@@ -25,6 +25,7 @@ _SEEN = 10.0  # [m] of each beam that are drawn: far hits smear by odometry's dr
 _SPACING = 0.25  # [m] or 10 degrees between two scans that are drawn
 _LEAST = 2  # scans that must agree
 _SIDE = 4000  # cells at most
+_DRIVEN = "#2563c9"
 _MARGIN = 1.5  # [m] around the way and what was near it
 
 
@@ -56,7 +57,7 @@ def scan_map(log: DriveLog, resolution: float = 0.05) -> OccupancyGrid:
         hit[tuple(np.unique(ended, axis=0).T[::-1])] += 1
     state = np.where(passed >= _LEAST, 0, -1).astype(np.int8)
     state[(hit >= _LEAST) & (hit > 0.2 * passed)] = 100
-    return OccupancyGrid(state, resolution, tuple(map(float, corner)))
+    return OccupancyGrid(state, resolution, (float(corner[0]), float(corner[1])))
 
 
 def _spread(log: DriveLog) -> NDArray[np.int_]:
@@ -87,7 +88,7 @@ def draw_prediction(axes: Axes, prediction: LogPrediction, model: str, footprint
     draw_grid(axes, scan_map(log))
     driven = log.pose[(log.odometry_stamp >= log.scan_stamp[0]) & (log.odometry_stamp <= log.scan_stamp[-1])]
     draw_footprints(axes, every(driven, 1.0), footprint)
-    axes.plot(*driven[:, :2].T, color=GIVEN, lw=1.1, zorder=3)
+    axes.plot(*driven[:, :2].T, color=_DRIVEN, lw=1.1, zorder=3)
     shown = _shown(prediction, spacing)
     poses = log.pose_at(log.scan_stamp[prediction.samples.scan[shown]])
     for good, colour, layer in ((False, DISCARDED, 4), (True, FOLLOWED, 5)):
@@ -111,6 +112,7 @@ def _runs(points: Array, wanted: NDArray[np.bool_]) -> list[Array]:
     return [points[max(a - 1, 0) : b] for a, b in edges.reshape(-1, 2) if b - max(a - 1, 0) > 1]
 
 
+@styled
 def prediction_figure(
     predictions: Sequence[LogPrediction], footprint: Footprint | None = None, spacing: float = 0.5
 ) -> Figure:
@@ -134,11 +136,10 @@ def prediction_figure(
         axes.set_title(
             f"{prediction.log.name}, {name}\n{100 * found.compliant.mean():.0f} % of path points compliant, "
             f"RMSE of these {found.rmse:.2f} m (n = {len(found.paths)} paths)",
-            fontsize=10,
         )
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
-    figure.legend(handles=_legend(spacing), loc="outside lower center", ncols=2 * columns, frameon=False, fontsize=9)
+    figure.legend(handles=_legend(spacing), loc="outside lower center", ncols=2 * columns, frameon=False)
     return figure
 
 
@@ -155,8 +156,8 @@ def _aspect(prediction: LogPrediction) -> float:
 
 def _legend(spacing: float) -> list[Line2D]:
     return [
-        Line2D([], [], color=GIVEN, label="way driven (odometry)"),
-        Line2D([], [], color="#8a9099", label="footprint, every 1 m"),
+        Line2D([], [], color=_DRIVEN, label="way driven (odometry)"),
+        Line2D([], [], color=BODY, label="footprint, every 1 m"),
         Line2D([], [], color=FOLLOWED, label=f"predicted every {spacing:g} m: compliant"),
         Line2D([], [], color=DISCARDED, label="not compliant with any later input"),
     ]
