@@ -11,7 +11,9 @@ import typer
 from lfdcore.cli.common import SeedOption
 
 if TYPE_CHECKING:
+    from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.study.report import Section
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 SENA = Path("/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog")
 """The robotic wheelchair's log in Debian's package mrpt-common."""
@@ -34,17 +36,36 @@ def demo(
 
 def _real_section(model: Path) -> list[Section]:
     """A prediction along a real log, if there is one at hand."""
-    from lfdcore.cli.common import open_with_joystick
-    from lfdcore.study.prediction_plots import prediction_picture
-    from lfdcore.study.report import Section
+    from lfdcore.study.prediction import predict_log
+    from lfdcore.study.prediction_picture import prediction_figure
+    from lfdcore.study.report import Picture, Section
+    from lfdcore.study.tables import prediction_table
     from lfdcore.wheelchair.model_file import DriveAssistantModel
 
-    log = real_log()
-    if log is None:
-        text = f"None at hand: set LFDCORE_DATA, or install Debian's mrpt-common ({SENA})."
-        return [Section("Prediction along a real log", text)]
-    picture = prediction_picture(DriveAssistantModel.load(model), open_with_joystick(log), origin=log.name)
-    return [Section("Prediction along a real log", pictures=[picture])]
+    title = "Prediction along a real log"
+    path = real_log()
+    if path is None:
+        return [Section(title, f"None at hand: set LFDCORE_DATA, or install Debian's mrpt-common ({SENA}).")]
+    log, models = _judged(path)
+    models["simulated home"] = DriveAssistantModel.load(model)
+    prediction = predict_log(log, models)
+    caption = (
+        f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "
+        "input complied, orange-red where not."
+    )
+    picture = Picture(prediction_figure([prediction]), caption)
+    return [Section(title, "A real robot's log, not simulated.", [prediction_table(prediction)], [picture])]
+
+
+def _judged(path: Path) -> tuple[DriveLog, dict[str, DriveAssistantModel]]:
+    """What to predict on: the rest of a log long enough to learn from its first 70 %, else all of it."""
+    from lfdcore.datasets import open_log
+    from lfdcore.study.prediction import SHARE, learn_from_logs
+
+    log = open_log(path)
+    if path == SENA:
+        return log, {}
+    return log.share(SHARE, 1.0), {f"its first {100 * SHARE:.0f} %": learn_from_logs([log], SHARE)}
 
 
 def real_log() -> Path | None:

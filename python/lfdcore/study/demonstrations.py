@@ -8,10 +8,11 @@ from pathlib import Path
 from lfdcore.datasets import open_log
 from lfdcore.study.courses import training_courses
 from lfdcore.study.drivers import ExpertDriver
+from lfdcore.study.prediction import learn_from_logs
 from lfdcore.study.runner import RunConfig, run_drive
 from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.assistants import Unassisted
-from lfdcore.wheelchair.model_file import LearningConfig, learn_drive
+from lfdcore.wheelchair.model_file import LearningConfig
 
 MODEL_NAME = "assistant.safetensors"
 
@@ -42,7 +43,7 @@ def learn_from_demonstrations(
 ) -> Path:
     """Demonstrates, learns and saves the model in `folder` -> its path."""
     logs = [open_log(path) for path, _ in demonstrate(folder, seed)]
-    model = learn_drive(logs, config or LearningConfig(), progress=progress)
+    model = learn_from_logs(logs, config=config, progress=progress)
     path = folder / MODEL_NAME
     model.save(path)
     return path

@@ -330,15 +330,20 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
     return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
 
 
+def prediction_cells(prediction: LogPrediction, seed: int = 1) -> list[tuple[str, ...]]:
+    """The header and a row a method and reach, as text."""
+    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %")
+    return [header, *(tuple(_cells(row)) for row in error_rows(prediction, seed))]
+
+
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:
     """The same for people: a table, and a line a model."""
     if prediction.outcome:
         return f"{prediction.log.name}: {prediction.outcome}\n"
-    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %")
-    rows = [_cells(row) for row in error_rows(prediction, seed)]
-    widths = [max(len(line[k]) for line in (header, *rows)) for k in range(len(header))]
+    rows = prediction_cells(prediction, seed)
+    widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
     lines = [f"{prediction.log.name}: path error"]
-    for first, *others in (header, *rows):
+    for first, *others in rows:
         cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
         lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
     lines += [_about(name, paths) for name, paths in prediction.models.items()]

@@ -159,7 +159,7 @@ class DriveAssistantConfig:
             planner=PlannerConfig.thesis(),
             replan_after=float("inf"),
             replan_pause=0.0,
-            map_duration=0.0,
+            map_duration=0.01,
             no_path_share=0.0,
             slow_within=0.0,
             stopped_ticks=10**9,

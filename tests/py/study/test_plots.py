@@ -27,7 +27,6 @@ from lfdcore.study.driving import DrivingResult, DrivingStudy
 from lfdcore.study.driving_report import write_driving_report
 from lfdcore.study.moments import telling_moments
 from lfdcore.study.plots import course_figure, demonstrations_figure, every, outlines, png, split_plans
-from lfdcore.study.prediction_plots import prediction_picture, scans_to_map
 from lfdcore.study.runner import run_drive
 from lfdcore.study.stage_plots import bin_heading, example_paths, planning_figure, stage_figures
 from lfdcore.study.trace import DriveTrace, Plan
@@ -209,47 +208,6 @@ def test_demonstrations_start_where_their_course_does(log: DriveLog) -> None:
     course = home(2)
     line = demonstrations_figure([course], [log]).axes[0].lines[0]
     assert (line.get_xdata()[0], line.get_ydata()[0]) == pytest.approx((course.start.x, course.start.y), abs=1e-6)
-
-
-def test_the_map_of_a_logs_scans_has_the_courses_walls(log: DriveLog) -> None:
-    course = home(2)
-    made = scans_to_map(log)
-    iy, ix = np.nonzero(made.data == 100)
-    centres = np.array(made.origin) + (np.stack([ix, iy], 1) + 0.5) * made.resolution
-    points = course.start.transform(centres)
-    walls = np.array(course.grid.origin) + (np.argwhere(course.grid.occupied_mask())[:, ::-1] + 0.5) * 0.05
-    far = [np.hypot(*(walls - point).T).min() > 0.25 for point in points[::7]]
-    assert np.mean(far) < 0.02  # by odometry with its drift
-    assert (made.data == 0).sum() > 1000
-    assert (made.data == -1).any()
-
-
-def test_where_the_chair_drove_the_map_is_free(log: DriveLog) -> None:
-    made = scans_to_map(log)
-    cells = np.floor((log.pose[50:, :2] - np.array(made.origin)) / made.resolution).astype(int)
-    assert np.mean(made.data[cells[:, 1], cells[:, 0]] == 0) > 0.98
-
-
-def test_a_prediction_picture_counts_what_it_draws(model: DriveAssistantModel, log: DriveLog) -> None:
-    picture = prediction_picture(model, log, "Simulated.")
-    axes = picture.figure.axes[0]
-    drawn = sum(len(lines.get_segments()) for lines in axes.collections)
-    assert f"(n {drawn};" in picture.caption
-    assert drawn > 5
-    assert overlapping(shown_texts(picture.figure)) == []
-
-
-def test_a_log_that_never_drives_far_gives_a_map_without_predictions(model: DriveAssistantModel, log: DriveLog) -> None:
-    picture = prediction_picture(model, log.slice(0.0, 2.0))
-    assert "(n 0; mean distance to the way driven -" in picture.caption
-
-
-@pytest.mark.realdata
-def test_a_real_wheelchairs_log_is_drawn(model: DriveAssistantModel, data_folder: Path) -> None:
-    from lfdcore.datasets import joystick_from_motion
-
-    log = joystick_from_motion(open_log(data_folder / "logs" / "sena-wheelchair-one-loop.rawlog"))
-    assert png(prediction_picture(model, log).figure).startswith(b"\x89PNG")
 
 
 def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
