@@ -6,6 +6,7 @@ All are drawn in base_link with the chair's front up: x ahead is the vertical ax
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -58,12 +59,13 @@ def _front_axes(axes: Axes, back: float = _BACK, reach: float = _EDGE, labels: b
         axes.set_ylabel("x, ahead [m]")
 
 
-def _line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: object) -> None:
+def _line(axes: Axes, points: Array, colour: Any, width: float = 1.5, **more: Any) -> None:
     axes.plot(points[:, 1], points[:, 0], color=colour, lw=width, **more)
 
 
-def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: object) -> None:
-    axes.plot([point[1]], [point[0]], **{"marker": "o", "color": colour, "ms": size, "ls": "none", "zorder": 6} | more)
+def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
+    style: dict[str, Any] = {"marker": "o", "color": colour, "ms": size, "ls": "none", "zorder": 6} | more
+    axes.plot([point[1]], [point[0]], **style)
 
 
 def _chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
@@ -77,7 +79,7 @@ def _stick(axes: Axes, joystick: Sequence[float] | Array, colour: str = STICK, l
     axes.annotate("", xy=tip, xytext=(0, 0), arrowprops=arrow, zorder=7)
 
 
-def _image(axes: Axes, values: NDArray[np.floating], **more: object) -> AxesImage:
+def _image(axes: Axes, values: NDArray[np.floating], **more: Any) -> AxesImage:
     """A window of cells [iy, ix] behind everything else."""
     extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
     return axes.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", zorder=0, **more)
@@ -198,7 +200,7 @@ def _in_bin(paths: LocalPaths, index: int) -> list[Array]:
     return own + [paths.paths[k] * flip for k in np.flatnonzero(orientation_bin(-paths.end_yaw) == index)]
 
 
-def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPaths, colour: str) -> None:
+def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPaths, colour: Any) -> None:
     own = _in_bin(paths, int(primitives.bins[which]))
     shown = own[:: max(1, len(own) // 60)]
     axes.add_collection(LineCollection([p[:, ::-1] for p in shown], colors="#aab0b8", linewidths=0.5))
@@ -229,7 +231,7 @@ def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable
     axes.set_title("B  the nearest primitive scaled to goals (grey)")
 
 
-_TITLE = {"ha": "center", "fontsize": 9.5}
+_TITLE: dict[str, Any] = {"ha": "center", "fontsize": 9.5}
 
 
 @styled
@@ -238,7 +240,7 @@ def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
     colours = ScalarMappable(Normalize(-180, 180), "turbo")
     figure = Figure(figsize=(PAGE, 3.1))  # placed by hand: nested automatic layouts are not the same every time
     panels = figure.add_gridspec(3, 6, left=0.045, right=0.645, bottom=0.13, top=0.86, wspace=0.12, hspace=0.3)
-    for which, axes in enumerate(panels.subplots(sharex=True, sharey=True).ravel()):
+    for which, axes in enumerate(np.asarray(panels.subplots(sharex=True, sharey=True)).ravel()):
         if which < len(primitives):
             colour = colours.to_rgba(np.degrees(bin_heading(int(primitives.bins[which]))))
             _draw_bin(axes, primitives, which, paths, colour)
