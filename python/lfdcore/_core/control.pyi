@@ -189,7 +189,7 @@ class SupervisorConfig:
         *,
         period: float = 0.1,
         reaction: float = 0.2,
-        margin: float = 0.05,
+        margin: float = 0.04,
         slow_margin: float = 0.03,
         slow_linear: float = 0.2,
         slow_angular: float = 0.4,

@@ -46,8 +46,6 @@ class PlannerConfig:
     """Roll the pursuit out with the oriented footprint and repair by hybrid A*; printed: no."""
     footprint_margin: float = 0.05
     """Kept around the footprint in the roll-out [m]."""
-    start_clear: float = 0.40
-    """Radius [m] around base_link that is never blocked by inflation, so that a chair beside a wall can plan."""
     shortest: float = 0.35
     """Paths shorter than this [m] lead nowhere and are refused."""
     goals_comply: bool = True
@@ -66,7 +64,7 @@ class PlannerConfig:
             dpp=DppConfig(sweeps=99, blocked=False),
             inflations=(0.0,),
             check_footprint=False,
-            start_clear=0.0,
+           
             goals_comply=False,
         )
 
@@ -109,7 +107,6 @@ class PathPlanner:
         self.model = model
         self.config = config
         self.chair = chair
-        self._near_start = np.linalg.norm(cell_centres(), axis=2) < config.start_clear
         self._goal_cells, self._control_points = self._control_points_of_goals()
         self._dpp = DppSolver(config.dpp)
         self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
@@ -131,7 +128,7 @@ class PathPlanner:
         joystick = np.array(observation.joystick)
         intention = self.model.intention.predict(joystick, observation.scan, self.chair.T_base_laser, grid.data == 0)
         if self.config.goals_comply:
-            intention[self._goal_cells] *= self.model.compliance.compliances(self._control_points, joystick)
+            intention = self._complying(intention, joystick)
         found = self.model.intention.goal(intention)
         if found is None:
             return None
@@ -152,6 +149,13 @@ class PathPlanner:
             reward=drawn[1],
         )
 
+    def _complying(self, intention: NDArray[np.float32], joystick: NDArray[np.float64]) -> NDArray[np.float32]:
+        weight = np.zeros_like(intention)
+        weight[self._goal_cells] = self.model.compliance.compliances(self._control_points, joystick)
+        weighed = intention * weight
+        total = float(weighed.sum(dtype=np.float64))
+        return weighed / np.float32(total) if total > 0 else weighed
+
     def _draw_widest(
         self, grid: OccupancyGrid, primitive: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float32]] | None:
@@ -165,7 +169,6 @@ class PathPlanner:
     ) -> tuple[NDArray[np.float64], NDArray[np.float32]] | None:
         """The DPP path (Alg. 2) over obstacles grown by `inflation` [m], and its reward; None if it leads nowhere."""
         blocked = inflate(occupied, inflation, grid.resolution)
-        blocked &= ~self._near_start | occupied
         blocked[START[1], START[0]] = False
         cells = path_cells(primitive, grid)
         free = ~blocked[cells[:, 1], cells[:, 0]]
@@ -212,6 +215,6 @@ def smooth(path: NDArray[np.float64], half_window: int = 3) -> NDArray[np.float6
     padded = np.vstack([np.repeat(path[:1], half_window, 0), path, np.repeat(path[-1:], half_window, 0)])
     size = 2 * half_window + 1
     total = np.cumsum(np.vstack([[0.0, 0.0], padded]), axis=0)
-    result = (total[size:] - total[:-size]) / size
+    result: NDArray[np.float64] = (total[size:] - total[:-size]) / size
     result[0], result[-1] = path[0], path[-1]
     return result
