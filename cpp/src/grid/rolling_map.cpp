@@ -214,9 +214,12 @@ OccupancyGrid RollingMap::local_grid(const Pose2& T_odom_base) const {
   for (int iy = 0; iy < grid.geometry.height; ++iy) {
     for (int ix = 0; ix < grid.geometry.width; ++ix) {
       const Eigen::Vector2d centre = grid.geometry.centre({ix, iy});
-      const std::int64_t slot =
-          slot_at(T_odom_base.x + c * centre.x() - s * centre.y(), T_odom_base.y + s * centre.x() + c * centre.y());
-      if (slot != outside && cells_[slot].last_free >= oldest) grid.data(iy, ix) = free_cell;
+      for (int quarter = 0; quarter < 4; ++quarter) {
+        const double x = centre.x() + (quarter % 2 == 0 ? -0.5 : 0.5) * resolution;
+        const double y = centre.y() + (quarter < 2 ? -0.5 : 0.5) * resolution;
+        const std::int64_t slot = slot_at(T_odom_base.x + c * x - s * y, T_odom_base.y + s * x + c * y);
+        if (slot != outside && cells_[slot].last_free >= oldest) grid.data(iy, ix) = free_cell;
+      }
     }
   }
   for (const Hit& hit : hits_) {

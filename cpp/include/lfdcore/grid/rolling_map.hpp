@@ -31,7 +31,7 @@ class RollingMap {
   ObstaclePoints obstacles(const Pose2& T_odom_base) const;
 
   /// The window around base_link, 100 x 100 cells: occupied where a remembered point lies, else free where the cell
-  /// under the centre was seen free within `duration`, else unknown.
+  /// under one of its quarters' centres was seen free within `duration`, else unknown.
   OccupancyGrid local_grid(const Pose2& T_odom_base) const;
 
   /// Forgets everything, stamps included.
