@@ -132,6 +132,9 @@ class DriveAssistantConfig:
     at once would give the same; printed: 0."""
     map_duration: float = 30.0
     """Memory of the rolling map [s]; printed: the present scan only."""
+    own_turn_after: float = np.radians(90)
+    """A driver who goes on asking for a turn to one side after the chair has turned this far [rad] wants a tighter one
+    than any path: the user's own input, supervised; printed: never."""
     dead_zone: float = 0.05
     """A joystick displaced less than this is at rest: stop."""
     reverse_from: float = np.radians(100)
@@ -157,6 +160,7 @@ class DriveAssistantConfig:
             planner=PlannerConfig.thesis(),
             replan_after=float("inf"),
             replan_pause=0.0,
+            own_turn_after=float("inf"),
             map_duration=0.01,
             no_path_share=0.0,
             slow_within=0.0,
@@ -187,6 +191,29 @@ class _Smoother:
 
 def _between(a: Twist2, b: Twist2, share: float) -> Twist2:
     return Twist2(a.linear + share * (b.linear - a.linear), a.angular + share * (b.angular - a.angular))
+
+
+class _HeldTurn:
+    """How far the chair has turned while the stick kept asking for a turn to one and the same side."""
+
+    STRAIGHT = 0.3  # inputs within this [rad] of straight ahead ask for no turn
+
+    def __init__(self) -> None:
+        self._side = 0.0
+        self._yaw = 0.0
+        self._turned = 0.0
+
+    def update(self, observation: Observation) -> float:
+        """Takes in a tick; -> angle turned [rad]."""
+        forward, left = observation.joystick
+        side = float(np.sign(left)) if abs(np.arctan2(left, forward)) > self.STRAIGHT else 0.0
+        yaw = observation.pose.yaw
+        if side == 0 or side != self._side:
+            self._turned = 0.0
+        else:
+            self._turned += side * float(wrap_angle(yaw - self._yaw))
+        self._side, self._yaw = side, yaw
+        return self._turned
 
 
 @dataclass
@@ -222,12 +249,14 @@ class DriveAssistant:
             else Supervisor(self.chair.footprint, self.chair.limits, self.config.supervisor)
         )
         self._smoother = _Smoother(self.config.smoothing)
+        self._held_turn = _HeldTurn()
         self._track: _Track | None = None
 
     def reset(self) -> None:
         """Forgets all scans and the path."""
         self._surroundings.clear()
         self._smoother.restart(STOP)
+        self._held_turn = _HeldTurn()
         self._track = None
 
     def update(self, observation: Observation) -> Assistance:
@@ -243,6 +272,9 @@ class DriveAssistant:
         if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
             self._track = None
             return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
+        if self._held_turn.update(observation) >= self.config.own_turn_after:
+            self._track = None
+            return self._supervised(Assistance(self._own(observation, 1.0), "own_turn"), observation, obstacles)
         planned = self._replan(observation, obstacles)
         if self._track is None:
             own = self._own(observation, self.config.no_path_share)

@@ -56,7 +56,7 @@ class Assistance:
     command: Twist2
     """What the chair is to do [m/s, rad/s]."""
     mode: str
-    """Who decided: 'user', 'path', 'no_path', 'reverse', 'rest', 'stale' or 'dwa'."""
+    """Who decided: 'user', 'path', 'no_path', 'reverse', 'own_turn', 'rest', 'stale' or 'dwa'."""
     path: NDArray[np.float64] | None = None
     """(N, 2) [m] in odom: the path being followed, None without one."""
     planned: bool = False

@@ -64,7 +64,6 @@ class PlannerConfig:
             dpp=DppConfig(sweeps=99, blocked=False),
             inflations=(0.0,),
             check_footprint=False,
-           
             goals_comply=False,
         )
 
