@@ -187,7 +187,7 @@ def test_an_error_in_a_job_reaches_the_caller(processes: int) -> None:
 
 
 def test_an_unknown_arm_is_refused_by_name(home_model: Path) -> None:
-    with pytest.raises(ValueError, match="'magic'.*none.*dwa.*primitives"):
+    with pytest.raises(ValueError, match=r"'magic'.*none.*dwa.*primitives"):
         make_assistant("magic", home_model, RunConfig())
 
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import lfdcore._core as core
+
 import lfdcore.simulation
 
 del core.simulation.DrivingWorld, lfdcore.simulation.DrivingWorld  # whoever asks for a world fails
