@@ -12,6 +12,7 @@ from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 from lfdcore.control import Supervisor
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, approach, integrate
 from lfdcore.grid import LaserScan, RollingMap
+from lfdcore.planning import DppConfig
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.assistants import (
     Assistant,
@@ -22,6 +23,7 @@ from lfdcore.wheelchair.assistants import (
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.path_planner import PlannerConfig
 
 LIMITS = MotionLimits()
 STOP = (0.0, 0.0)
@@ -264,7 +266,9 @@ def test_a_steady_compliant_stick_keeps_its_path_for_a_while(assistant: DriveAss
     assert planned[0] and sum(planned) <= 10
 
 
-def test_memory_does_not_grow_over_two_thousand_updates(assistant: DriveAssistant) -> None:
+def test_memory_does_not_grow_over_two_thousand_updates(model: DriveAssistantModel) -> None:
+    few_sweeps = PlannerConfig(dpp=DppConfig(sweeps=20))  # as much memory, less time
+    assistant = DriveAssistant(model, config=DriveAssistantConfig(planner=few_sweeps))
     lived = [seen for seen, _ in drive(assistant, wandering, 200)]
     assistant.reset()
     for lap in range(12):
