@@ -4,6 +4,7 @@
 
 VENV := .venv
 BIN := $(VENV)/bin
+LINTED := python tests/py benchmarks examples tools
 SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
 
 .PHONY: demo test check format stubs benchmark clean
@@ -16,14 +17,14 @@ test: $(VENV)/.installed-test
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.installed-test
-	$(BIN)/ruff check python tests/py benchmarks examples
-	$(BIN)/ruff format --check python tests/py benchmarks examples
+	$(BIN)/ruff check $(LINTED)
+	$(BIN)/ruff format --check $(LINTED)
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	$(BIN)/mypy
 
 format: $(VENV)/.installed-test
-	$(BIN)/ruff check --fix python tests/py benchmarks examples
-	$(BIN)/ruff format python tests/py benchmarks examples
+	$(BIN)/ruff check --fix $(LINTED)
+	$(BIN)/ruff format $(LINTED)
 	$(BIN)/clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
 stubs: $(VENV)/.installed-test

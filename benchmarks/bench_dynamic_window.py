@@ -25,7 +25,7 @@ ROUNDS = 15
 
 
 @numba.njit(cache=False)
-def hits(v, w, points, front, rear, half_width, steps, step):  # noqa: PLR0917
+def hits(v, w, points, front, rear, half_width, steps, step):
     for k in range(1, steps + 1):
         t = k * step
         half = 0.5 * w * t
@@ -63,7 +63,7 @@ def end_costs(linear, angular, goal, steps, step):
 
 
 @numba.njit(cache=False)
-def numba_printed(linear, angular, goal, points, front, rear, half_width, steps, step):  # noqa: PLR0917
+def numba_printed(linear, angular, goal, points, front, rear, half_width, steps, step):
     reach = max(abs(linear[0]), abs(linear[-1])) * steps * step + math.hypot(max(front, rear), half_width)
     near = within(points, reach)
     cost = end_costs(linear, angular, goal, steps, step)
@@ -76,7 +76,7 @@ def numba_printed(linear, angular, goal, points, front, rear, half_width, steps,
 
 
 @numba.njit(cache=False)
-def numba_cheapest_first(linear, angular, goal, points, front, rear, half_width, steps, step):  # noqa: PLR0917
+def numba_cheapest_first(linear, angular, goal, points, front, rear, half_width, steps, step):
     reach = max(abs(linear[0]), abs(linear[-1])) * steps * step + math.hypot(max(front, rear), half_width)
     near = within(points, reach)
     cost = end_costs(linear, angular, goal, steps, step)

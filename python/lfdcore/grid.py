@@ -1,3 +1,23 @@
-"""Re-exports lfdcore._core.grid."""
+"""Occupancy grids, scans, distance fields and ray casting. Re-exports lfdcore._core.grid."""
 
-from lfdcore._core.grid import *  # noqa: F403
+from lfdcore._core.grid import (
+    LaserScan,
+    ObstaclePoints,
+    OccupancyGrid,
+    RayCaster,
+    RollingMap,
+    distance_field,
+    inflate,
+    local_grid,
+)
+
+__all__ = [
+    "LaserScan",
+    "ObstaclePoints",
+    "OccupancyGrid",
+    "RayCaster",
+    "RollingMap",
+    "distance_field",
+    "inflate",
+    "local_grid",
+]

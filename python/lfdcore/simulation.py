@@ -1,3 +1,21 @@
-"""Re-exports lfdcore._core.simulation."""
+"""The simulated chair in its world. Re-exports lfdcore._core.simulation."""
 
-from lfdcore._core.simulation import *  # noqa: F403
+from lfdcore._core.simulation import (
+    ChairConfig,
+    ChairState,
+    ContactConfig,
+    DrivingWorld,
+    LidarConfig,
+    StepResult,
+    joystick_to_twist,
+)
+
+__all__ = [
+    "ChairConfig",
+    "ChairState",
+    "ContactConfig",
+    "DrivingWorld",
+    "LidarConfig",
+    "StepResult",
+    "joystick_to_twist",
+]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
@@ -33,8 +34,16 @@ LogArguments = Annotated[
 
 
 def print_json(value: Any) -> None:
-    """Prints a value for machines."""
-    typer.echo(json.dumps(value, indent=2, allow_nan=True))
+    """Prints a value for machines; what is not finite becomes null, as JSON has no NaN."""
+    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 @contextmanager

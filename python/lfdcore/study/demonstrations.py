@@ -38,7 +38,7 @@ def learn_from_demonstrations(
     folder: Path,
     seed: int,
     config: LearningConfig | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Demonstrates, learns and saves the model in `folder` -> its path."""
     logs = [open_log(path) for path, _ in demonstrate(folder, seed)]

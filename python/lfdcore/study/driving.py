@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lfdcore.study.courses import Course
-from lfdcore.study.drivers import Driver, DriverConfig, ImpairedDriver, population
+from lfdcore.study.drivers import Driver, ImpairedConfig, ImpairedDriver, population
 from lfdcore.study.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -48,7 +48,7 @@ def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
     raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
 
 
-def _impaired(config: DriverConfig, course: Course) -> Driver:
+def _impaired(config: ImpairedConfig, course: Course) -> Driver:
     return ImpairedDriver(course, config)
 
 
@@ -132,6 +132,6 @@ def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> lis
         row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
         row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
         if trace.plans:
-            row |= asdict(framework_metrics(trace, model.compliance, every=5))
+            row |= asdict(framework_metrics(trace, model.compliance))
         rows.append(row)
     return rows

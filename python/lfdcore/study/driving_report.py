@@ -1,39 +1,116 @@
-"""The report of study driving: Tables 3.1-3.3 and pictures like Fig. 3.7-3.15."""
+"""The report of study driving: Tables 3.1-3.3, tasks, and pictures like Fig. 3.7-3.15."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
+from lfdcore.datasets import open_log
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.study.courses import Course, training_courses
 from lfdcore.study.driving import DrivingResult
-from lfdcore.study.plots import course_figure
+from lfdcore.study.driving_tasks import TASK_NAMES, TaskResult
+from lfdcore.study.plots import course_figure, demonstrations_figure
 from lfdcore.study.report import Picture, Section, write_figures, write_report
-from lfdcore.study.tables import driving_tables
+from lfdcore.study.stage_plots import stage_figures
+from lfdcore.study.tables import driving_tables, task_tables
+from lfdcore.study.trace import DriveTrace
+from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 INTRODUCTION = (
     "Everything here is simulated: the chair, the courses and the drivers (docs/simulated-drivers.md). Figures beside "
-    "the thesis's tables come from our stand-ins, not from its users. Every arm of a comparison meets the same driver, "
-    "seed and noise. Failures (stuck, out of time) stay in every denominator."
+    "the thesis's tables come from our stand-ins, not from its users, and its courses had other walls. Every arm of a "
+    "comparison meets the same driver, seed and noise. Failures (stuck, out of time) stay in every denominator."
 )
+STAGES = "How a demonstration becomes a path: one log, its moments chosen by rule (those with most to see)."
+_READING = (
+    "Grey rectangles: the chair's footprint. Green: path points that were followed; orange-red: the first half of what "
+    "was discarded when the next path came, for a path about every {spacing:.1f} m. Red: where a contact began."
+)
+
+
+def _run_picture(number: str, course: Course, traces: Sequence[DriveTrace], n: int) -> Picture:
+    reading = _READING.format(spacing=max(0.7, course.length / 150))
+    caption = f"As {number}: {course.name}. {course.description[:1].upper()}{course.description[1:].rstrip('.')}."
+    driver = f"The same simulated impaired driver in every panel, 1 of {n} (seed {traces[0].seed})."
+    return Picture(course_figure(course, traces), f"{caption} {driver} {reading}")
 
 
 def course_pictures(result: DrivingResult) -> list[Picture]:
     """For each course the first driver's run in every arm."""
+    first, n = result.study.seed, result.study.drivers
+    return [
+        _run_picture("Fig. 3.14-3.15", c, [t for t in result.traces if (t.course, t.seed) == (c.name, first)], n)
+        for c in result.study.courses
+    ]
+
+
+def task_pictures(result: TaskResult) -> list[Picture]:
+    """Of each task the first start at which the arms differ in success, else the first."""
     pictures = []
-    for course in result.study.courses:
-        traces = [t for t in result.traces if t.course == course.name and t.seed == result.study.seed]
-        caption = f"{course.description} Footprints every 0.7 m, driver seed {result.study.seed}."
-        pictures.append(Picture(course_figure(course, traces), caption))
+    for name in result.study.tasks:
+        seeds = result.column(name, result.study.arms[0], "seed")
+        chosen = next((seed for seed in seeds if len({r["success"] for r in _of(result, name, seed)}) > 1), seeds[0])
+        runs = [
+            (course, trace)
+            for course, trace, row in zip(result.courses, result.traces, result.rows, strict=True)
+            if (row["task"], row["seed"]) == (name, chosen)
+        ]
+        picture = _run_picture("Fig. 3.13, 3.15", runs[0][0], [trace for _, trace in runs], len(seeds))
+        rule = "The first start at which the arms differ in success, if there is one."
+        pictures.append(Picture(picture.figure, f"{TASK_NAMES[name].capitalize()}. {picture.caption} {rule}"))
     return pictures
 
 
-def write_driving_report(result: DrivingResult, folder: Path, more: Sequence[Section] = ()) -> Path:
-    """Writes report.html and figures.json into `folder` -> the report's path."""
+def _of(result: TaskResult, task: str, seed: int) -> list[dict[str, object]]:
+    return [row for row in result.rows if (row["task"], row["seed"]) == (task, seed)]
+
+
+def demonstration_pictures(logs: Sequence[DriveLog]) -> list[Picture]:
+    """Fig. 3.12, for the logs that were recorded in a training course."""
+    courses = {course.name: course for course in training_courses()}
+    known = [log for log in logs if log.name in courses]
+    if not known:
+        return []
+    metres = sum(courses[log.name].length for log in known)
+    caption = (
+        f"As Fig. 3.12: demonstrations (red) in the furnished home, n {len(known)} drives of about {metres:.0f} m by a "
+        "simulated expert, by odometry."
+    )
+    return [Picture(demonstrations_figure([courses[log.name] for log in known], known), caption)]
+
+
+def stage_section(model: DriveAssistantModel, logs: Sequence[DriveLog]) -> Section:
+    """Fig. 3.7-3.12 from demonstrations; the stages are those of the first log."""
+    origin = f"Simulated expert, log {logs[0].name}."
+    return Section(
+        "From demonstrations to a path",
+        STAGES,
+        pictures=[*demonstration_pictures(logs), *stage_figures(model, logs[0], origin=origin)],
+    )
+
+
+def write_driving_report(
+    result: DrivingResult,
+    folder: Path,
+    more: Sequence[Section] = (),
+    *,
+    demonstrations: Sequence[Path] = (),
+    tasks: TaskResult | None = None,
+) -> Path:
+    """Writes report.html and figures.json into `folder` -> the report's path.
+
+    demonstrations: the drive logs that the study's model learned from, for the pictures of the stages; tasks: their
+    tables and pictures come after the courses'. The same results give the same bytes.
+    """
     memory = f"The study's {len(result.traces)} runs hold {result.nbytes / 1e6:.1f} MB without their scans."
-    sections = [
-        Section("Tables", INTRODUCTION + "\n\n" + memory, driving_tables(result)),
-        Section("Courses", pictures=course_pictures(result)),
-        *more,
-    ]
-    write_figures(folder / "figures.json", result.rows)
-    return write_report(folder / "report.html", "lfdcore: driving study", sections)
+    sections = [Section("Driving", INTRODUCTION + "\n\n" + memory, driving_tables(result), course_pictures(result))]
+    rows = list(result.rows)
+    if tasks is not None:
+        sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
+        rows += tasks.rows
+    if demonstrations:
+        logs = [open_log(path) for path in demonstrations]
+        sections.append(stage_section(DriveAssistantModel.load(result.study.model), logs))
+    write_figures(folder / "figures.json", rows)
+    return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more])

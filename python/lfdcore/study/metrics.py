@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from lfdcore.geometry import wrap_angle
+from lfdcore.geometry import arc_length, wrap_angle
 from lfdcore.study.trace import DriveTrace, Plan
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ COMPLIANT_FROM = 0.9
 """Threshold of Sec. 3.4.3."""
 LOOK_AHEAD = 0.8
 """Pure pursuit's look-ahead [m] (Sec. 3.4.2)."""
+NEAREST = 0.2
+"""Path points nearer to the path's start [m] than this are no control points."""
 MOVING = 0.05
 """Speed [m/s] from which the chair counts as moving."""
 
@@ -164,12 +166,14 @@ def driving_metrics(trace: DriveTrace, baseline: float | None = None) -> Driving
 class PlanUse:
     """What became of one plan."""
 
-    compliant: NDArray[np.bool_]
-    """(N,) path points that were compliant at some later tick (Sec. 3.5.2)"""
-    deviation: Array
-    """(N,) [m] from each path point to the way driven afterwards"""
+    length: float
+    """[m] of the path"""
     compliant_length: float
-    """[m] from the path's start up to its first incompliant point"""
+    """[m] from the path's start up to its last compliant control point, at most `length`"""
+    followed: Array
+    """(N,) [m] deviation of the way driven from each path point that the chair passed while it complied"""
+    ahead: Array
+    """(M,) [m] the same for the compliant path points beyond those: planned, agreed to, perhaps never reached"""
 
 
 def _nearest_on_polyline(points: Array, line: Array) -> Array:
@@ -181,32 +185,58 @@ def _nearest_on_polyline(points: Array, line: Array) -> Array:
     return np.asarray(np.sqrt(((points[:, None] - nearest) ** 2).sum(2).min(1)))
 
 
-def use_of_plan(trace: DriveTrace, plan: Plan, compliance: ComplianceModel, horizon: float = 15.0) -> PlanUse | None:
-    """How a plan relates to the drive after it; None if nothing was driven within `horizon` [s].
+def _tracked_ticks(trace: DriveTrace, number: int) -> NDArray[np.intp]:
+    """The ticks from a plan's making until the next plan, or until there is no path."""
+    until = trace.plans[number + 1].stamp if number + 1 < len(trace.plans) else np.inf
+    ticks = np.flatnonzero((trace.stamp >= trace.plans[number].stamp - 1e-9) & (trace.stamp < until - 1e-9))
+    ends = np.flatnonzero(np.isnan(trace.compliance[ticks]))
+    return ticks[: ends[0]] if len(ends) else ticks
 
-    A path point p is incompliant if the compliance of p' (p seen from the chair) with the input stays below .9 at all
-    later ticks at which p' lies within the look-ahead distance, ahead of the axle (Sec. 3.5.2).
+
+def use_of_plan(trace: DriveTrace, number: int, horizon: float = 5.0) -> PlanUse:
+    """How far a plan was agreed to and followed.
+
+    A path point complies if it was the control point, a look-ahead on from the chair, on a tick on which the plan was
+    tracked with a compliance of at least .9 (Sec. 3.4.3, 3.5.2). Deviations are from the way driven up to `horizon` [s]
+    after the plan.
     """
-    ticks = np.flatnonzero((trace.stamp >= plan.stamp) & (trace.stamp <= plan.stamp + horizon))
-    if len(ticks) < 2:
-        return None
+    plan = trace.plans[number]
+    way = arc_length(plan.path)
+    ticks = _tracked_ticks(trace, number)
+    good = ticks[trace.compliance[ticks] >= COMPLIANT_FROM]
+    if not len(good):
+        return PlanUse(float(way[-1]), 0.0, np.zeros(0), np.zeros(0))
+    position = trace.pose[good[-1], :2]
+    passed = float(way[np.argmin(((plan.path - position) ** 2).sum(1))])
+    compliant = min(passed + LOOK_AHEAD, float(way[-1]))
+    driven = trace.pose[(trace.stamp >= plan.stamp - 1e-9) & (trace.stamp <= plan.stamp + horizon), :2]
+    points = plan.path[way <= compliant + 1e-9]
+    off = _nearest_on_polyline(points, driven) if len(driven) > 1 else np.full(len(points), np.nan)
+    split = int((way <= passed + 1e-9).sum())
+    return PlanUse(float(way[-1]), compliant, off[:split], off[split:])
+
+
+def lasting_compliance(trace: DriveTrace, plan: Plan, compliance: ComplianceModel, horizon: float = 15.0) -> float:
+    """Share of a plan's points that complied at any later time within `horizon` [s], tracked or not (Sec. 3.5.2).
+
+    A path point p is incompliant if the compliance of p' (p seen from the chair) with the input stays below .9 on all
+    later ticks on which p' lies within the look-ahead distance, ahead of the axle. The path's first .2 m are left out:
+    they never lie ahead.
+    """
+    ticks = np.flatnonzero((trace.stamp >= plan.stamp - 1e-9) & (trace.stamp <= plan.stamp + horizon))
+    points = plan.path[arc_length(plan.path) >= NEAREST]
     pose, stick = trace.pose[ticks], trace.joystick[ticks]
-    to = plan.path[:, None] - pose[None, :, :2]  # (N, T, 2)
+    to = points[:, None] - pose[None, :, :2]  # (N, T, 2)
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     ahead, left = c * to[..., 0] + s * to[..., 1], -s * to[..., 0] + c * to[..., 1]
     near = (np.hypot(ahead, left) <= LOOK_AHEAD) & (ahead > 0)
-    compliant = np.zeros(len(plan.path), bool)
-    for tick in np.flatnonzero((near & ~compliant[:, None]).any(0)):
-        points = np.flatnonzero(near[:, tick] & ~compliant)
-        seen = np.stack([ahead[points, tick], left[points, tick]], axis=1)
-        compliant[points] = compliance.compliances(seen, stick[tick]) >= COMPLIANT_FROM
-    length = np.r_[0, np.cumsum(np.hypot(*np.diff(plan.path, axis=0).T))]
-    first_bad = int(np.argmin(compliant)) if not compliant.all() else len(compliant)
-    return PlanUse(
-        compliant=compliant,
-        deviation=_nearest_on_polyline(plan.path, pose[:, :2]),
-        compliant_length=float(length[max(first_bad - 1, 0)]) if first_bad else 0.0,
-    )
+    compliant = np.zeros(len(points), bool)
+    for tick in np.flatnonzero(near.any(0)):
+        asked = np.flatnonzero(near[:, tick] & ~compliant)
+        if len(asked):
+            seen = np.stack([ahead[asked, tick], left[asked, tick]], axis=1)
+            compliant[asked] = compliance.compliances(seen, stick[tick]) >= COMPLIANT_FROM
+    return float(compliant.mean()) if len(points) else float("nan")
 
 
 @dataclass(frozen=True)
@@ -218,14 +248,23 @@ class FrameworkMetrics:
     angular_error: float
     """[deg] what lies behind the obedience: exp(-.003 |alpha|) never falls under .583 (ERRATA 23)"""
     path_compliance: float
-    """share of path points that were compliant"""
+    """mean over plans of the share of points that complied at any later time (Sec. 3.5.2, lasting_compliance)"""
+    tracked_compliance: float
+    """mean over plans of the share of length that complied while the plan itself was tracked (use_of_plan)"""
     compliant_length: float
     """[m] mean over plans"""
     path_rmse: float
-    """[m] of compliant path points against the way driven"""
+    """[m] of the compliant path points that the chair passed against the way driven: how well paths are tracked"""
+    path_rmse_ahead: float
+    """[m] of the compliant points beyond: how well what was agreed to foretells the way, replanned or not"""
     replans_per_metre: float
     """[1/m]"""
     plans: int
+
+
+def _rms(values: Array) -> float:
+    good = values[np.isfinite(values)]
+    return float(np.sqrt((good**2).mean())) if len(good) else float("nan")
 
 
 def goal_errors(trace: DriveTrace) -> Array:
@@ -234,9 +273,8 @@ def goal_errors(trace: DriveTrace) -> Array:
     Goals closer than .3 m have no bearing and are left out.
     """
     errors = []
-    for k, plan in enumerate(trace.plans):
-        until = trace.plans[k + 1].stamp if k + 1 < len(trace.plans) else np.inf
-        ticks = np.flatnonzero((trace.stamp >= plan.stamp) & (trace.stamp < until))
+    for number in range(len(trace.plans)):
+        ticks = _tracked_ticks(trace, number)
         good = ticks[trace.compliance[ticks] >= COMPLIANT_FROM]
         if not len(good) or not np.isfinite(trace.goal[ticks[0]]).all():
             continue
@@ -247,21 +285,22 @@ def goal_errors(trace: DriveTrace) -> Array:
     return np.array(errors)
 
 
-def framework_metrics(trace: DriveTrace, compliance: ComplianceModel, every: int = 1) -> FrameworkMetrics:
-    """Metrics of an assistant's plans in a run; with `every` > 1 only each such plan is looked at."""
-    uses = [use for plan in trace.plans[::every] if (use := use_of_plan(trace, plan, compliance)) is not None]
+def framework_metrics(trace: DriveTrace, compliance: ComplianceModel, every: int = 5) -> FrameworkMetrics:
+    """Metrics of an assistant's plans in a run; NaN without plans. Path compliance, the slow one, is asked of one plan
+    in `every`."""
+    uses = [use_of_plan(trace, number) for number in range(len(trace.plans))]
     errors = goal_errors(trace)
     if not uses:
         nan = float("nan")
-        return FrameworkMetrics(nan, nan, nan, nan, nan, 0.0, 0)
-    compliant = np.concatenate([use.compliant for use in uses])
-    deviation = np.concatenate([use.deviation for use in uses])[compliant]
+        return FrameworkMetrics(nan, nan, nan, nan, nan, nan, nan, replans_per_metre=0.0, plans=0)
     return FrameworkMetrics(
         obedience=float(np.exp(-0.003 * errors).mean()) if len(errors) else float("nan"),
         angular_error=float(errors.mean()) if len(errors) else float("nan"),
-        path_compliance=float(compliant.mean()),
+        path_compliance=float(np.nanmean([lasting_compliance(trace, p, compliance) for p in trace.plans[::every]])),
+        tracked_compliance=float(np.mean([use.compliant_length / max(use.length, 1e-9) for use in uses])),
         compliant_length=float(np.mean([use.compliant_length for use in uses])),
-        path_rmse=float(np.sqrt((deviation**2).mean())) if len(deviation) else float("nan"),
-        replans_per_metre=len(trace.plans) / max(distance(trace.pose), 1e-9),
-        plans=len(trace.plans),
+        path_rmse=_rms(np.concatenate([use.followed for use in uses])),
+        path_rmse_ahead=_rms(np.concatenate([use.ahead for use in uses])),
+        replans_per_metre=len(uses) / max(distance(trace.pose), 1e-9),
+        plans=len(uses),
     )

@@ -131,4 +131,4 @@ def at_arc_lengths(path: Array) -> Array:
         raise ValueError(f"a path of length {length[-1]} m cannot be compared, must be longer than 0 m")
     end = points[-1] - points[-2]
     beyond = np.maximum(ARC - length[-1], 0)[:, None] * end / np.hypot(*end)
-    return np.stack([np.interp(ARC, length, points[:, k]) for k in (0, 1)], axis=1) + beyond
+    return np.asarray(np.stack([np.interp(ARC, length, points[:, k]) for k in (0, 1)], axis=1) + beyond)

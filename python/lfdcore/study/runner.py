@@ -7,13 +7,14 @@ seed and on k only.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLogWriter
 from lfdcore.geometry import Pose2, Twist2
@@ -162,11 +163,11 @@ def run_drive(
     )
 
 
-def _write(log: DriveLogWriter, seen: Observation, said: Assistance, desired: Sequence[float]) -> None:
+def _write(log: DriveLogWriter, seen: Observation, said: Assistance, desired: NDArray[np.float64]) -> None:
     log.odometry(seen.stamp, seen.pose, seen.twist)
     log.scan(seen.scan_stamp, seen.scan)
     log.joystick(seen.stamp, *seen.joystick)
-    log.desired(seen.stamp, *desired)
+    log.desired(seen.stamp, float(desired[0]), float(desired[1]))
     log.command(seen.stamp, said.command)
     if said.planned and said.path is not None:
         log.plan(seen.stamp, said.path)
@@ -193,7 +194,7 @@ class Job:
 
 
 def run_jobs(jobs: Iterable[Job], processes: int | None = None) -> Iterator[tuple[int, DriveTrace]]:
-    """Runs jobs over processes; yields (index, trace) as they finish. The traces do not depend on the number of them."""
+    """Runs jobs over processes; yields (index, trace) as they finish. The traces do not depend on their number."""
     jobs = list(jobs)
     count = processes or os.cpu_count() or 1
     if count == 1:

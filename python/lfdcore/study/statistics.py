@@ -71,3 +71,12 @@ def paired_test(a: ArrayLike, b: ArrayLike) -> PairedTest:
     if not difference.any():
         return PairedTest(n, 0.0, 1.0)
     return PairedTest(n, float(difference.mean()), float(stats.wilcoxon(difference).pvalue))
+
+
+def paired_proportions_test(a: ArrayLike, b: ArrayLike) -> float:
+    """McNemar's exact test of two paired yes/no samples (n,): two-sided p; 1 if no pair differs."""
+    x, y = np.asarray(a, bool), np.asarray(b, bool)
+    if x.shape != y.shape:
+        raise ValueError(f"paired samples have shapes {x.shape} and {y.shape}, must be equal")
+    gained, lost = int((~x & y).sum()), int((x & ~y).sum())
+    return 1.0 if gained + lost == 0 else float(stats.binomtest(gained, gained + lost).pvalue)

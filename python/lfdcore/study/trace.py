@@ -1,4 +1,4 @@
-"""What one simulated run leaves behind for metrics and pictures: the true motion, the inputs and the assistant's mind."""
+"""What a simulated run leaves for metrics and pictures: the true motion, the inputs, what the assistant thought."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class DriveTrace:
-    """One run at a fixed period, without its scans (those are in the drive log). T ticks, frame map, by ground truth."""
+    """One run at a fixed period, without its scans (the drive log has those). T ticks, frame map, by ground truth."""
 
     course: str
     driver: str

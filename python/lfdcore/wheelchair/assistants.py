@@ -140,10 +140,12 @@ class DriveAssistantConfig:
     """A scan older than this [s]: stop."""
     no_path_share: float = 0.6
     """Without a path: the user's own input times this, supervised; printed: stop."""
-    slow_within: float = 1.5
+    slow_within: float = 1.0
     """With contact ahead in less than this [s] on the present arc, slow in proportion; 0: never (printed)."""
     slowest_share: float = 0.35
     """... but not below this share."""
+    stopped_ticks: int = 5
+    """After so many ticks of standing because of the supervisor a new path is made (CLOSED-LOOP); printed: never."""
     smoothing: float = 0.2
     """Time constant [s] of the second-order low-pass on the command along a path, whose delay the pursuit looks ahead
     by; 0: none (printed)."""
@@ -160,6 +162,7 @@ class DriveAssistantConfig:
             map_duration=0.0,
             no_path_share=0.0,
             slow_within=0.0,
+            stopped_ticks=10**9,
             smoothing=0.0,
             supervisor=None,
         )
@@ -222,12 +225,14 @@ class DriveAssistant:
             else Supervisor(self.chair.footprint, self.chair.limits, self.config.supervisor)
         )
         self._smoother = _Smoother(self.config.smoothing)
+        self._stopped_ticks = 0
         self._track: _Track | None = None
 
     def reset(self) -> None:
         """Forgets all scans and the path."""
         self._surroundings.clear()
         self._smoother.restart(STOP)
+        self._stopped_ticks = 0
         self._track = None
 
     def update(self, observation: Observation) -> Assistance:
@@ -263,7 +268,8 @@ class DriveAssistant:
 
     def _due(self, track: _Track, observation: Observation) -> bool:
         age = observation.stamp - track.stamp
-        if age >= self.config.replan_after - 1e-9:
+        if age >= self.config.replan_after - 1e-9 or self._stopped_ticks >= self.config.stopped_ticks:
+            self._stopped_ticks = 0
             return True
         if self._pursue(track, observation, track.planned.look_ahead).at_end:
             return True
@@ -312,6 +318,7 @@ class DriveAssistant:
         allowed = self._supervisor.filter(said.command, observation.twist, obstacles)
         if allowed.changed or said.mode != "path":
             self._smoother.restart(allowed.twist)
+        self._stopped_ticks = self._stopped_ticks + 1 if allowed.stopped else 0
         return replace(said, command=allowed.twist, supervised=allowed.changed)
 
 

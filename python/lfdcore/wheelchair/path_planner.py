@@ -44,7 +44,7 @@ class PlannerConfig:
     """Radii [m] by which obstacles grow, tried in turn until there is a path; printed: none."""
     check_footprint: bool = True
     """Roll the pursuit out with the oriented footprint and repair by hybrid A*; printed: no."""
-    footprint_margin: float = 0.03
+    footprint_margin: float = 0.05
     """Kept around the footprint in the roll-out [m]."""
     start_clear: float = 0.40
     """Radius [m] around base_link that is never blocked by inflation, so that a chair beside a wall can plan."""
@@ -63,7 +63,11 @@ class PlannerConfig:
     def thesis() -> PlannerConfig:
         """The printed loop: soft obstacles, K - 1 = 99 sweeps, no inflation, no footprint."""
         return PlannerConfig(
-            dpp=DppConfig(sweeps=99, blocked=False), inflations=(0.0,), check_footprint=False, start_clear=0.0, goals_comply=False
+            dpp=DppConfig(sweeps=99, blocked=False),
+            inflations=(0.0,),
+            check_footprint=False,
+            start_clear=0.0,
+            goals_comply=False,
         )
 
 
@@ -176,9 +180,7 @@ class PathPlanner:
             return None
         return path, reward
 
-    def _drivable(
-        self, path: NDArray[np.float64], obstacles: ObstaclePoints, twist: Twist2
-    ) -> _Drivable | None:
+    def _drivable(self, path: NDArray[np.float64], obstacles: ObstaclePoints, twist: Twist2) -> _Drivable | None:
         """The path if the chair's body can follow it, else hybrid A*'s to the same end, else None."""
         config = self.config
         if not config.check_footprint:

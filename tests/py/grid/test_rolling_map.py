@@ -18,6 +18,7 @@ def scan_of(ranges: npt.ArrayLike, range_max: float = 30.0) -> LaserScan:
     return LaserScan(values, -math.pi / 2, math.pi / max(len(values) - 1, 1), range_max=range_max)
 
 
+CELL = 0.025  # [m]
 NOTHING = scan_of(np.full(181, np.inf))
 
 
@@ -37,7 +38,7 @@ class SlowMap:
         ranges = scan.ranges.astype(float)
         angles = laser.yaw + scan.angles()
         hits = {}
-        corner = [math.floor(v / 0.05) - self.half_side for v in (T_odom_base.x, T_odom_base.y)]
+        corner = [math.floor(v / CELL) - self.half_side for v in (T_odom_base.x, T_odom_base.y)]
 
         def inside(cell: tuple[int, int]) -> bool:
             return all(0 <= c - k < 2 * self.half_side for c, k in zip(cell, corner, strict=True))
@@ -45,7 +46,7 @@ class SlowMap:
         for r, a in zip(ranges, angles, strict=True):
             if r < scan.range_max:
                 x, y = laser.x + r * math.cos(a), laser.y + r * math.sin(a)
-                hits[math.floor(x / 0.05), math.floor(y / 0.05)] = (x, y, stamp)
+                hits[math.floor(x / CELL), math.floor(y / CELL)] = (x, y, stamp)
         kept = {}
         lengths = np.where(ranges >= scan.range_max, scan.range_max, ranges)
         for cell, (x, y, seen) in self.points.items():
@@ -80,7 +81,7 @@ def a_world(rng: np.random.Generator) -> RayCaster:
 def test_keeps_the_points_that_the_slow_list_of_points_keeps(seed: int) -> None:
     rng = np.random.default_rng(seed)
     world = a_world(rng)
-    fast, slow = RollingMap(duration=2.0, radius=4.0), SlowMap(2.0, 128)
+    fast, slow = RollingMap(duration=2.0, radius=4.0), SlowMap(2.0, 256)
     pose = Pose2(0.0, 0.0, 0.3)
     for step in range(60):
         if step % 20 == 10:

@@ -34,7 +34,7 @@ def boltzmann(psi: Array, available: NDArray[np.bool_], eta: float) -> Array:
     return np.where(total > 0, mean, 0.0)
 
 
-def dpp(  # noqa: PLR0917
+def dpp(
     reward: NDArray[np.float32],
     blocked: NDArray[np.bool_],
     discount: float,

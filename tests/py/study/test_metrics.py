@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from lfdcore.geometry import Footprint
 from lfdcore.study.metrics import (
     angular_jerk,
@@ -14,6 +15,7 @@ from lfdcore.study.metrics import (
     entropy_baseline,
     framework_metrics,
     goal_errors,
+    lasting_compliance,
     prediction_errors,
     reversals,
     steering_entropy,
@@ -24,7 +26,9 @@ from lfdcore.study.metrics import (
 from lfdcore.study.trace import DriveTrace, Plan
 
 
-def make_trace(pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray) -> DriveTrace:
+def make_trace(
+    pose: np.ndarray, period: float = 0.1, plans: tuple[Plan, ...] = (), **changes: np.ndarray
+) -> DriveTrace:
     n = len(pose)
     step = np.diff(pose, axis=0, prepend=pose[:1]) / period
     twist = np.stack([np.hypot(step[:, 0], step[:, 1]), step[:, 2]], axis=1)
@@ -140,29 +144,45 @@ def test_a_chair_that_stands_while_forward_is_asked_is_stuck_and_one_at_rest_is_
     assert stuck_time(make_trace(straight_drive(200))) == 0.0
 
 
+def test_a_plan_that_is_driven_is_compliant_up_to_a_look_ahead_beyond_the_chair_without_deviation() -> None:
+    plan = Plan(0.0, np.stack([np.linspace(0, 4, 41), np.zeros(41)], 1))
+    compliance = np.where(np.arange(101) <= 40, 1.0, 0.0)  # the last compliant tick is at x = 2
+    use = use_of_plan(make_trace(straight_drive(), plans=(plan,), compliance=compliance), 0)
+    assert use.compliant_length == pytest.approx(2.8)
+    assert use.followed.max() < 1e-12
+    assert (len(use.followed), len(use.ahead)) == (21, 8)
+
+
+def test_a_plan_beside_the_way_deviates_by_its_distance_and_an_incompliant_one_has_no_compliant_part() -> None:
+    plan = Plan(0.0, np.stack([np.linspace(0, 2, 21), np.full(21, 0.07)], 1))
+    assert use_of_plan(make_trace(straight_drive(), plans=(plan,)), 0).followed == pytest.approx(np.full(21, 0.07))
+    never = use_of_plan(make_trace(straight_drive(), plans=(plan,), compliance=np.zeros(101)), 0)
+    assert (never.compliant_length, len(never.followed)) == (0.0, 0)
+
+
+def test_a_plan_counts_only_until_the_next_one_or_until_there_is_no_path() -> None:
+    path = np.stack([np.linspace(0, 4, 81), np.zeros(81)], 1)
+    replaced = make_trace(straight_drive(), plans=(Plan(0.0, path), Plan(1.0, path)))
+    assert use_of_plan(replaced, 0).compliant_length == pytest.approx(0.5 + 0.8, abs=0.06)
+    dropped = make_trace(
+        straight_drive(), plans=(Plan(0.0, path),), compliance=np.where(np.arange(101) < 20, 1.0, np.nan)
+    )
+    assert use_of_plan(dropped, 0).compliant_length == pytest.approx(1.0 + 0.8, abs=0.06)
+
+
 class ByAngle:
-    """A stand-in for the compliance model: straight ahead within 10 degrees is compliant."""
+    """A stand-in for the compliance model: the input's direction within 10 degrees complies."""
 
     def compliances(self, points: np.ndarray, joystick: np.ndarray) -> np.ndarray:
         bearing = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(joystick[1], joystick[0])
         return np.where(np.abs(bearing) < np.radians(10), 1.0, 0.0)
 
 
-def test_a_plan_that_is_driven_is_wholly_compliant_without_deviation() -> None:
-    plan = Plan(0.0, np.stack([np.linspace(0, 2, 21), np.zeros(21)], 1))
-    use = use_of_plan(make_trace(straight_drive(), plans=(plan,)), plan, ByAngle())
-    assert use is not None
-    assert use.compliant[1:].all()
-    assert use.deviation.max() < 1e-12
-
-
-def test_a_plan_that_turns_away_from_the_input_is_incompliant_from_the_bend_on() -> None:
-    bend = np.array([[x, 0.0] for x in np.arange(0.05, 1.01, 0.05)] + [[1.0, y] for y in np.arange(0.3, 1.5, 0.05)])
-    plan = Plan(0.0, bend)
-    use = use_of_plan(make_trace(straight_drive(), plans=(plan,)), plan, ByAngle())
-    assert use is not None
-    assert use.compliant_length == pytest.approx(0.95, abs=0.06)
-    assert not use.compliant[-10:].any()
+def test_a_driven_plan_complies_wholly_and_one_that_turns_away_from_the_input_up_to_its_bend() -> None:
+    trace = make_trace(straight_drive())
+    assert lasting_compliance(trace, Plan(0.0, np.stack([np.linspace(0, 2, 21), np.zeros(21)], 1)), ByAngle()) == 1.0
+    bend = np.array([[x, 0.0] for x in np.arange(0, 1.01, 0.05)] + [[1.0, y] for y in np.arange(0.3, 1.25, 0.05)])
+    assert lasting_compliance(trace, Plan(0.0, bend), ByAngle()) == pytest.approx(17 / 36, abs=0.03)
 
 
 def test_goal_error_is_the_bearing_of_the_goal_at_the_last_compliant_tick() -> None:

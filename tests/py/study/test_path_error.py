@@ -39,5 +39,5 @@ def test_a_short_path_goes_on_along_its_last_direction() -> None:
 
 
 def test_a_path_without_length_is_refused() -> None:
-    with pytest.raises(ValueError, match="length 0.0 m"):
+    with pytest.raises(ValueError, match=r"length 0\.0 m"):
         at_arc_lengths(np.zeros((3, 2)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lfdcore.study.statistics import paired_test, proportion, summarise
 
 

@@ -13,7 +13,7 @@ namespace lfdcore {
 struct SupervisorConfig {
   double period = 0.1;        ///< until the next command can take effect [s]
   double reaction = 0.2;      ///< until the next command surely has taken effect: period + latency [s]
-  double margin = 0.05;       ///< distance to keep between footprint and points [m]
+  double margin = 0.04;       ///< distance to keep between footprint and points [m]
   double slow_margin = 0.03;  ///< the same while slow, so that narrow gaps can be passed [m]
   double slow_linear = 0.2;   ///< slow: |linear| of command and chair at most this [m/s] ...
   double slow_angular = 0.4;  ///< ... and |angular| at most this [rad/s]

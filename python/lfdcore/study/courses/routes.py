@@ -47,7 +47,7 @@ def clearance_field(grid: OccupancyGrid) -> FloatArray:
     open_cells = (grid.data >= 0) & ~grid.occupied_mask()
     padded = np.pad(open_cells, 1)  # beyond the map is not free
     away = distance_transform_edt(padded)[1:-1, 1:-1] * grid.resolution
-    return np.maximum(away - grid.resolution / 2, 0.0)
+    return np.asarray(np.maximum(away - grid.resolution / 2, 0.0))
 
 
 def route_clearance(grid: OccupancyGrid, route: FloatArray) -> FloatArray:
@@ -85,7 +85,7 @@ class RoutePlanner:
         return np.rint((points - offset) / self._cell).astype(np.int64)
 
     def _points_at(self, nodes: npt.NDArray[np.int64]) -> FloatArray:
-        return nodes * self._cell + np.array(self.grid.origin) + self.grid.resolution / 2
+        return np.asarray(nodes * self._cell + np.array(self.grid.origin) + self.grid.resolution / 2)
 
     def _snap(self, point: Point) -> tuple[int, int]:
         """The nearest passable node within 1 m of a point."""
@@ -178,7 +178,7 @@ class RoutePlanner:
         if len(waypoints) < 2:
             raise ValueError(f"a route needs at least 2 waypoints, got {len(waypoints)}")
         stops = [*waypoints, waypoints[0]] if loop else list(waypoints)
-        legs = []
+        legs: list[FloatArray] = []
         for start, goal in pairwise(stops):
             leg = self.leg(start, goal)
             if leg is None:

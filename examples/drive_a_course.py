@@ -1,0 +1,30 @@
+"""A driver who can only steer roughly goes through a doorway and docks at a table, with and without assistance.
+
+python examples/drive_a_course.py [SEED]
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from lfdcore.geometry import Pose2
+from lfdcore.study.courses import doorway_and_docking
+from lfdcore.study.demonstrations import learn_from_demonstrations
+from lfdcore.study.drivers import ImpairedDriver
+from lfdcore.study.driving import ARMS, make_assistant
+from lfdcore.study.metrics import driving_metrics
+from lfdcore.study.runner import RunConfig, run_drive
+
+seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+task = doorway_and_docking(seed)
+run = RunConfig()
+with tempfile.TemporaryDirectory() as folder:
+    model = learn_from_demonstrations(Path(folder), seed)  # an expert drives three routes through a simulated home
+    for arm in ARMS:
+        trace = run_drive(task.course, ImpairedDriver(task.course), make_assistant(arm, model, run), seed, run)
+        metrics = driving_metrics(trace)
+        docked = task.reached(Pose2(*trace.pose[-1]))
+        print(
+            f"{arm:10}  {trace.outcome:9}  docked {docked!s:5}  {metrics.time:5.1f} s  {metrics.collisions} contacts"
+            f"  angular jerk {metrics.angular_jerk:.2f} rad/s^3"
+        )

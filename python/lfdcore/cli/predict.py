@@ -1,0 +1,5 @@
+"""lfdcore predict: a posteriori along real logs."""
+
+
+def predict() -> None:
+    """Placeholder until the prediction study is merged."""

@@ -1,0 +1,273 @@
+"""Pictures: what is drawn is what was driven and planned; the same input gives the same bytes."""
+
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from lfdcore.datasets import open_log
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.geometry import Footprint
+from lfdcore.study.courses import campus, doorway_and_docking, home
+from lfdcore.study.drivers import ExpertDriver, ImpairedDriver
+from lfdcore.study.driving import DrivingResult, DrivingStudy
+from lfdcore.study.driving_report import write_driving_report
+from lfdcore.study.moments import telling_moments
+from lfdcore.study.plots import course_figure, demonstrations_figure, every, outlines, png, split_plans
+from lfdcore.study.prediction_plots import prediction_picture, scans_to_map
+from lfdcore.study.runner import run_drive
+from lfdcore.study.stage_plots import bin_heading, example_paths, planning_figure, stage_figures
+from lfdcore.study.trace import DriveTrace, Plan
+from lfdcore.wheelchair.assistants import DynamicWindowAssistant, Unassisted
+from lfdcore.wheelchair.local_paths import extract_local_paths
+from lfdcore.wheelchair.model_file import DriveAssistantModel, learn_drive
+from lfdcore.wheelchair.path_primitives import orientation_bin
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> DriveLog:
+    path = tmp_path_factory.mktemp("log") / "home.mcap"
+    course = home(2)
+    run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
+    return open_log(path)
+
+
+@pytest.fixture(scope="module")
+def model(log: DriveLog) -> DriveAssistantModel:
+    return learn_drive([log])
+
+
+@pytest.fixture(scope="module")
+def runs() -> list[DriveTrace]:
+    course = doorway_and_docking(3).course
+    return [run_drive(course, ImpairedDriver(course), arm, 3) for arm in (Unassisted(), DynamicWindowAssistant())]
+
+
+def drive(pose: np.ndarray, plans: tuple[Plan, ...] = ()) -> DriveTrace:
+    n = len(pose)
+    pairs, flags = np.zeros((n, 2)), np.zeros(n, bool)
+    return DriveTrace(
+        "c", "d", "primitives", 1, "completed", Footprint(), np.arange(n) * 0.1, pose, pairs, pairs, pairs, pairs,
+        flags, flags, np.full(n, "path"), flags, np.ones(n), pairs * np.nan, pairs * np.nan, plans,
+    )  # fmt: skip
+
+
+def straight(n: int = 41, step: float = 0.1) -> np.ndarray:
+    return np.stack([np.arange(n) * step, np.zeros(n), np.zeros(n)], axis=1)
+
+
+def shown_texts(figure: Figure) -> list[tuple[str, Bbox]]:
+    png(figure)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    hidden = {text for axes in figure.axes for text in undrawn(axes)}
+    texts = [text for text in set(figure.findobj(Text)) - hidden if text.get_visible() and text.get_text().strip()]
+    return [(text.get_text(), text.get_window_extent(renderer)) for text in texts]
+
+
+def undrawn(axes: Axes) -> set[Text]:
+    """Texts of axes that are switched off, and tick labels beyond the axes' limits."""
+    if not axes.axison:
+        return set(axes.findobj(Text))
+    outside = set()
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        outside |= {tick.label1 for tick in axis.get_major_ticks() if not low <= tick.get_loc() <= high}
+    return outside
+
+
+def overlapping(texts: Sequence[tuple[str, Bbox]]) -> list[tuple[str, str]]:
+    def meet(a: Bbox, b: Bbox) -> bool:
+        return min(a.x1, b.x1) - max(a.x0, b.x0) > 1 and min(a.y1, b.y1) - max(a.y0, b.y0) > 1
+
+    return [(s, t) for i, (s, a) in enumerate(texts) for t, b in texts[i + 1 :] if meet(a, b)]
+
+
+def test_outlines_are_the_chairs_corners_at_each_pose() -> None:
+    corners = outlines(np.array([[2.0, 1.0, np.pi / 2]]), Footprint())[0]
+    assert sorted(map(tuple, corners.round(6))) == [(1.65, 0.65), (1.65, 1.8), (2.35, 0.65), (2.35, 1.8)]
+
+
+@given(st.floats(0.05, 3.0), st.integers(2, 200))
+def test_footprints_stand_a_spacing_apart(spacing: float, n: int) -> None:
+    pose = straight(n, 0.01)
+    gaps = np.diff(every(pose, spacing)[:, 0])
+    assert np.all(np.abs(gaps - spacing) <= 0.011)
+
+
+def test_a_plan_is_followed_up_to_where_the_next_one_came_and_half_of_the_rest_is_shown_as_discarded() -> None:
+    path = np.stack([np.linspace(0, 3, 31), np.zeros(31)], axis=1)
+    other = path + np.array([1.0, 0.0])
+    followed, discarded = split_plans(drive(straight(), (Plan(0.0, path), Plan(1.0, other))))
+    assert followed[0][-1, 0] == pytest.approx(1.0)
+    assert discarded[0][0, 0] == pytest.approx(1.0)
+    assert discarded[0][-1, 0] == pytest.approx(2.0)
+    assert followed[1][-1, 0] == pytest.approx(4.0)  # to the end of the run
+
+
+def test_the_same_runs_give_the_same_bytes_whatever_the_users_style(runs: list[DriveTrace]) -> None:
+    course = doorway_and_docking(3).course
+    before = png(course_figure(course, runs))
+    with mpl.rc_context({"font.size": 20, "axes.facecolor": "red", "savefig.dpi": 30}):
+        assert png(course_figure(course, runs)) == before
+
+
+def test_every_arm_has_a_panel_that_says_how_its_run_ended(runs: list[DriveTrace]) -> None:
+    figure = course_figure(doorway_and_docking(3).course, runs)
+    titles = [axes.get_title() for axes in figure.axes]
+    hits = int(runs[0].collision.sum())
+    assert titles[0].startswith(f"unassisted\n{runs[0].outcome}, {runs[0].stamp[-1]:.0f} s, {hits} contact")
+    assert titles[1].startswith("DWA\n")
+    assert {axes.get_aspect() for axes in figure.axes} == {1.0}
+
+
+def test_no_text_of_a_course_figure_overlaps_another(runs: list[DriveTrace]) -> None:
+    assert overlapping(shown_texts(course_figure(doorway_and_docking(3).course, runs))) == []
+
+
+def test_wide_courses_stand_below_each_other() -> None:
+    course = campus()
+    way = np.column_stack([course.route, np.zeros(len(course.route))])
+    first, second = course_figure(course, [drive(way)] * 2).axes
+    assert first.get_subplotspec().rowspan.start < second.get_subplotspec().rowspan.start
+
+
+def test_a_picture_needs_no_pyplot() -> None:
+    modules = "lfdcore.study.driving_report, lfdcore.study.prediction_plots"
+    code = f"import sys, {modules}; print('matplotlib.pyplot' in sys.modules)"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "False"
+
+
+def test_the_middle_of_an_orientation_bin_lies_in_it() -> None:
+    headings = np.array([bin_heading(k) for k in range(17)])
+    assert orientation_bin(headings).tolist() == list(range(17))
+
+
+def test_example_paths_show_each_reason_once(log: DriveLog) -> None:
+    paths = extract_local_paths(log)
+    reasons = paths.reason[example_paths(paths)].tolist()
+    assert len(set(reasons)) == len(reasons) == min(4, len(set(paths.reason.tolist())))
+
+
+def test_moments_are_the_same_for_the_same_log(model: DriveAssistantModel, log: DriveLog) -> None:
+    paths = extract_local_paths(log)
+    first, again = (telling_moments(model, log, paths) for _ in range(2))
+    assert first
+    assert {k: m.observation.stamp for k, m in first.items()} == {k: m.observation.stamp for k, m in again.items()}
+    for source, moment in first.items():
+        assert moment.planned.source == source
+
+
+def test_the_drawn_dpp_path_is_the_planned_one_where_the_planner_kept_it(
+    model: DriveAssistantModel, log: DriveLog
+) -> None:
+    moment = telling_moments(model, log, extract_local_paths(log))["dpp"]
+    red = next(line for line in planning_figure(moment).axes[1].lines if line.get_color() == "#e6194b")
+    drawn = np.stack([red.get_ydata(), red.get_xdata()], axis=1)
+    gap = np.hypot(*(drawn[:, None] - moment.planned.path[None]).transpose(2, 0, 1)).min(axis=1)
+    assert gap.max() < 0.15  # the planner smooths the cells' staircase
+
+
+def test_stage_figures_are_those_of_the_thesis_in_order_and_name_their_log(
+    model: DriveAssistantModel, log: DriveLog
+) -> None:
+    pictures = stage_figures(model, log, origin="Simulated, seed 1.")
+    found = [re.match(r"As Fig. 3.(\d+)", picture.caption) for picture in pictures]
+    numbers = [int(match[1]) for match in found if match]
+    assert numbers == sorted(numbers)
+    assert set(numbers) == {7, 8, 9, 10, 11}
+    assert all("Simulated, seed 1." in p.caption for p in pictures[:-1])
+
+
+def test_no_text_of_a_stage_figure_overlaps_another(model: DriveAssistantModel, log: DriveLog) -> None:
+    for picture in stage_figures(model, log):
+        assert overlapping(shown_texts(picture.figure)) == []
+
+
+def test_a_log_without_a_local_path_is_refused(model: DriveAssistantModel, log: DriveLog) -> None:
+    still = replace(log, joystick=log.joystick * 0)
+    with pytest.raises(ValueError, match="no local path"):
+        stage_figures(model, still)
+
+
+def test_demonstrations_start_where_their_course_does(log: DriveLog) -> None:
+    course = home(2)
+    line = demonstrations_figure([course], [log]).axes[0].lines[0]
+    assert (line.get_xdata()[0], line.get_ydata()[0]) == pytest.approx((course.start.x, course.start.y), abs=1e-6)
+
+
+def test_the_map_of_a_logs_scans_has_the_courses_walls(log: DriveLog) -> None:
+    course = home(2)
+    made = scans_to_map(log)
+    iy, ix = np.nonzero(made.data == 100)
+    centres = np.array(made.origin) + (np.stack([ix, iy], 1) + 0.5) * made.resolution
+    points = course.start.transform(centres)
+    walls = np.array(course.grid.origin) + (np.argwhere(course.grid.occupied_mask())[:, ::-1] + 0.5) * 0.05
+    far = [np.hypot(*(walls - point).T).min() > 0.25 for point in points[::7]]
+    assert np.mean(far) < 0.02  # by odometry with its drift
+    assert (made.data == 0).sum() > 1000
+    assert (made.data == -1).any()
+
+
+def test_where_the_chair_drove_the_map_is_free(log: DriveLog) -> None:
+    made = scans_to_map(log)
+    cells = np.floor((log.pose[50:, :2] - np.array(made.origin)) / made.resolution).astype(int)
+    assert np.mean(made.data[cells[:, 1], cells[:, 0]] == 0) > 0.98
+
+
+def test_a_prediction_picture_counts_what_it_draws(model: DriveAssistantModel, log: DriveLog) -> None:
+    picture = prediction_picture(model, log, "Simulated.")
+    axes = picture.figure.axes[0]
+    drawn = sum(len(lines.get_segments()) for lines in axes.collections)
+    assert f"(n {drawn};" in picture.caption
+    assert drawn > 5
+    assert overlapping(shown_texts(picture.figure)) == []
+
+
+def test_a_log_that_never_drives_far_gives_a_map_without_predictions(model: DriveAssistantModel, log: DriveLog) -> None:
+    picture = prediction_picture(model, log.slice(0.0, 2.0))
+    assert "(n 0; mean distance to the way driven -" in picture.caption
+
+
+@pytest.mark.realdata
+def test_a_real_wheelchairs_log_is_drawn(model: DriveAssistantModel, data_folder: Path) -> None:
+    from lfdcore.datasets import joystick_from_motion
+
+    log = joystick_from_motion(open_log(data_folder / "logs" / "sena-wheelchair-one-loop.rawlog"))
+    assert png(prediction_picture(model, log).figure).startswith(b"\x89PNG")
+
+
+def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
+    model: DriveAssistantModel, log: DriveLog, tmp_path: Path
+) -> None:
+    from lfdcore.study.driving import run_driving_study
+
+    model.save(tmp_path / "m.safetensors")
+    path = tmp_path / "demonstration.mcap"
+    course = home(2)
+    run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
+    short = replace(doorway_and_docking(3).course, name="short")
+    arms = ("none", "primitives")
+    study = DrivingStudy(courses=(short,), model=tmp_path / "m.safetensors", arms=arms, drivers=2)
+    found: DrivingResult = run_driving_study(study, processes=1)
+    report = write_driving_report(found, tmp_path, demonstrations=[path])
+    first = report.read_bytes()
+    for text in (b"Driving metrics, short", b"Figures to reach", b"As Fig. 3.14", b"As Fig. 3.12", b"As Fig. 3.7"):
+        assert text in first
+    assert len(first) < 6e6
+    assert write_driving_report(found, tmp_path, demonstrations=[path]).read_bytes() == first

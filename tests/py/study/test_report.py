@@ -1,0 +1,87 @@
+"""report.html: needs nothing else, the same bytes for the same input, and cannot be broken by what it shows."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from lfdcore.study.report import Picture, Section, write_figures, write_report
+from lfdcore.study.tables import Table
+
+
+def picture(height: float = 1.0) -> Picture:
+    figure = Figure(figsize=(2, height))
+    figure.subplots().plot([0, 1], [1, 0])
+    return Picture(figure, 'a "line" <falls>')
+
+
+def sections() -> list[Section]:
+    table = Table("T <1>", ("", "a & b"), (("x", "1.0+-0.2\n[0.8, 1.2]"),), "a note+-")
+    return [Section("Part & whole", "one\n\ntwo", [table], [picture()])]
+
+
+def written(folder: Path, parts: list[Section]) -> str:
+    return write_report(folder / "report.html", "A <title>", parts).read_text(encoding="utf-8")
+
+
+def test_the_report_refers_to_nothing_outside_itself(tmp_path: Path) -> None:
+    html = written(tmp_path, sections())
+    assert html.startswith("<!doctype html>")
+    assert not re.search(r"<(script|link|iframe)|https?://|url\(", html)
+    assert re.findall(r'src="([^,"]*)', html) == ["data:image/png;base64"]
+
+
+def test_a_picture_is_a_png_in_the_page_with_its_caption(tmp_path: Path) -> None:
+    html = written(tmp_path, sections())
+    found = re.search(r'base64,([^"]+)"', html)
+    assert found is not None
+    assert base64.b64decode(found[1]).startswith(b"\x89PNG")
+    assert "<figcaption>a &quot;line&quot; &lt;falls&gt;</figcaption>" in html
+
+
+def test_the_same_sections_give_the_same_bytes(tmp_path: Path) -> None:
+    assert written(tmp_path, sections()) == written(tmp_path, sections())
+
+
+def test_markup_in_titles_and_cells_is_shown_not_run(tmp_path: Path) -> None:
+    html = written(tmp_path, sections())
+    for text in ("A &lt;title&gt;", "Part &amp; whole", "T &lt;1&gt;", "a &amp; b"):
+        assert text in html
+
+
+def test_a_cells_first_line_is_its_figure_and_the_rest_stands_small_below(tmp_path: Path) -> None:
+    html = written(tmp_path, sections())
+    assert "<td>1.0 &plusmn; 0.2<br><small>[0.8, 1.2]</small></td>" in html
+    assert "<p>one</p>\n<p>two</p>" in html
+
+
+def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
+    class Tags(HTMLParser):
+        def __init__(self) -> None:
+            super().__init__()
+            self.open: list[str] = []
+
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            if tag not in ("meta", "img", "br"):
+                self.open.append(tag)
+
+        def handle_endtag(self, tag: str) -> None:
+            assert self.open.pop() == tag
+
+    tags = Tags()
+    tags.feed(written(tmp_path, sections()))
+    assert tags.open == []
+
+
+def test_figures_are_strict_json_with_null_where_there_is_no_number(tmp_path: Path) -> None:
+    path = write_figures(tmp_path / "figures.json", [{"time": float("nan"), "n": 3, "done": True, "arm": "dwa"}])
+
+    def refuse(constant: str) -> None:
+        pytest.fail(f"{constant} is no JSON")
+
+    rows = json.loads(path.read_text(), parse_constant=refuse)
+    assert rows == [{"time": None, "n": 3, "done": True, "arm": "dwa"}]

@@ -1,0 +1,188 @@
+"""Tables against counts done by hand; none is wider than the terminal it is laid out for."""
+
+from math import comb
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from lfdcore.control import DynamicWindowConfig
+from lfdcore.study.courses import flat
+from lfdcore.study.driving import DrivingResult, DrivingStudy
+from lfdcore.study.driving_tasks import TaskResult, TaskStudy
+from lfdcore.study.statistics import paired_proportions_test
+from lfdcore.study.tables import DRIVING, FRAMEWORK, Table, driving_tables, task_tables
+
+cells = st.text(st.characters(codec="ascii", categories=("L", "N")), min_size=1, max_size=24)
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> Table:
+    columns = draw(st.integers(1, 9))
+    row = st.tuples(*[cells] * columns)
+    return Table(draw(cells), draw(row), tuple(draw(st.lists(row, max_size=4))))
+
+
+@given(tables(), st.integers(60, 160))
+def test_no_line_is_wider_than_the_terminal_and_no_cell_is_lost(table: Table, width: int) -> None:
+    text = table.as_text(width)
+    assert max(map(len, text.split("\n"))) <= width
+    words = text.split()
+    for cell in (*table.header, *(cell for row in table.rows for cell in row)):
+        assert cell in words
+
+
+def test_columns_that_do_not_fit_come_below_with_the_first_one_again() -> None:
+    table = Table("T", ("row", "a" * 20, "b" * 20, "c" * 20), (("x", "1", "2", "3"), ("y", "4", "5", "6")))
+    text = table.as_text(50)
+    assert text.count("row") == 2
+    last = text.split("\n\n")[1].split("\n")
+    assert [line.split() for line in last if line][2:] == [["x", "3"], ["y", "6"]]
+
+
+def test_the_lines_of_a_cell_stand_below_each_other() -> None:
+    text = Table("T", ("", "arm"), (("time", "12+-3\n[10, 14]"),)).as_text()
+    assert text.split("\n") == ["T", "           arm", "----  --------", "time     12+-3", "      [10, 14]", ""]
+
+
+def test_a_row_of_another_length_than_the_header_is_refused() -> None:
+    with pytest.raises(ValueError, match="has 1 cells, must have 2"):
+        Table("T", ("a", "b"), (("x",),))
+
+
+ARMS = ("none", "dwa", "primitives")
+
+
+def row(arm: str, driver: int, **changes: Any) -> dict[str, Any]:
+    base = {metric.key: 10.0 + driver for metric in DRIVING} | {"collisions": 0, "outcome": "completed"}
+    if arm == "primitives":
+        base |= {metric.key: 0.5 + driver / 100 for metric in FRAMEWORK}
+    return {"course": "flat", "driver": driver, "seed": driver, "assistant": arm, **base, **changes}
+
+
+def result(rows: list[dict[str, Any]], drivers: int = 5) -> DrivingResult:
+    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=ARMS, drivers=drivers)
+    return DrivingResult(study, (), tuple(rows))
+
+
+def study_rows(**of_primitives: Any) -> list[dict[str, Any]]:
+    rows = []
+    for driver in range(5):
+        rows.append(row("none", driver, collisions=driver, angular_jerk=4.0, time=100.0 + driver))
+        rows.append(row("dwa", driver, outcome="stuck" if driver == 0 else "completed"))
+        rows.append(row("primitives", driver, **({"angular_jerk": 2.0, "time": 90.0 + 2 * driver} | of_primitives)))
+    return rows
+
+
+def cell(table: Table, label: str, column: str) -> str:
+    found = next(r for r in table.rows if r[0].replace("\n", " ").startswith(label))
+    return found[[h.split("\n")[0] for h in table.header].index(column)]
+
+
+def named(found: list[Table], start: str) -> Table:
+    return next(table for table in found if table.title.startswith(start))
+
+
+def test_failures_stay_in_the_denominator_of_completion() -> None:
+    driving = named(driving_tables(result(study_rows())), "Driving")
+    assert cell(driving, "completed", "DWA").startswith("4 of 5\n80 %")
+    assert cell(driving, "completed", "unassisted").startswith("5 of 5")
+
+
+def test_collisions_are_totals_with_the_number_of_drivers_who_had_any() -> None:
+    driving = named(driving_tables(result(study_rows())), "Driving")
+    assert cell(driving, "collisions", "unassisted") == "10\n4 of 5 drivers"
+    assert cell(driving, "collisions", "thesis") == "5 -> 0"
+
+
+def test_a_metric_shows_mean_sd_interval_and_the_paired_p_beside_the_thesis() -> None:
+    driving = named(driving_tables(result(study_rows())), "Driving")
+    times = np.array([90.0, 92, 94, 96, 98])
+    half = stats.t.ppf(0.975, 4) * times.std(ddof=1) / np.sqrt(5)
+    expected = f"94+-{times.std(ddof=1):.0f}\n[{94 - half:.0f}, {94 + half:.0f}]"
+    assert cell(driving, "time taken", "assisted") == expected
+    p = stats.wilcoxon(times - (100.0 + np.arange(5))).pvalue
+    assert next(r for r in driving.rows if r[0].startswith("time"))[5] == f"{p:.3f}"
+    assert cell(driving, "time taken", "thesis") == "166+-25 ->\n146+-16"
+
+
+def test_missing_values_are_left_out_and_the_n_says_so() -> None:
+    rows = study_rows()
+    rows[0]["mean_free_speed"] = float("nan")
+    driving = named(driving_tables(result(rows)), "Driving")
+    assert cell(driving, "mean free speed", "unassisted").endswith("\nn 4")
+
+
+def test_the_driving_table_of_three_arms_fits_120_columns_in_one_piece() -> None:
+    for table in driving_tables(result(study_rows())):
+        text = table.as_text()
+        assert max(map(len, text.split("\n"))) <= 120
+        assert "\n\n" not in text.rstrip("\n")
+
+
+def test_a_figure_that_was_not_reached_is_called_missed() -> None:
+    aims = named(driving_tables(result(study_rows(angular_jerk=2.6, path_rmse=0.03))), "Figures to reach")
+    assert cell(aims, "angular jerk", "flat") == "0.65\nMISSED"
+    assert cell(aims, "path RMSE", "flat") == "0.030\nreached"
+    assert cell(aims, "time", "flat") == "0.92\nreached"
+    assert "flat\n(tuning)" in aims.header
+
+
+def test_a_figure_that_could_not_be_measured_is_missed() -> None:
+    aims = named(driving_tables(result(study_rows(path_rmse=float("nan")))), "Figures to reach")
+    assert cell(aims, "path RMSE", "flat") == "nan\nMISSED"
+
+
+def test_without_the_unassisted_arm_there_are_no_figures_to_reach() -> None:
+    rows = [r for r in study_rows() if r["assistant"] != "none"]
+    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=("dwa", "primitives"), drivers=5)
+    titles = [table.title for table in driving_tables(DrivingResult(study, (), tuple(rows)))]
+    assert not any(title.startswith("Figures to reach") for title in titles)
+
+
+def task_result(successes: dict[str, int], n: int = 20) -> TaskResult:
+    rows = [
+        {"task": "narrow_gap", "assistant": arm, "seed": k, "success": k < good, "reached": True, "stuck": k == 0}
+        | {"contacts": int(k >= good), "reversals": 2, "time": 10.0}
+        for k in range(n)
+        for arm, good in successes.items()
+    ]
+    study = TaskStudy(model=Path("m"), tasks=("narrow_gap",), arms=tuple(successes), starts=n)
+    return TaskResult(study, tuple(rows), (), ())
+
+
+def test_task_shares_have_wilsons_interval_and_mcnemars_p() -> None:
+    (table,) = task_tables(task_result({"none": 13, "dwa": 20, "primitives": 19}))
+    assert cell(table, "success", "unassisted") == "13 of 20\n65 % [43, 82]"  # Wilson, by hand
+    assert table.rows[0][4:] == (f"{2 * 0.5**7:.3f}", f"{2 * 0.5**6:.3f}")  # 7 and 6 gained, none lost
+    assert cell(table, "stuck", "DWA") == "1 of 20\n5 % [1, 24]"
+
+
+def test_the_task_table_prints_the_horizon_of_dwa_only_with_dwa_in_it() -> None:
+    horizon = f"{DynamicWindowConfig().horizon:g} s"
+    assert horizon in task_tables(task_result({"none": 3, "dwa": 4}))[0].note
+    assert "horizon" not in task_tables(task_result({"none": 3, "primitives": 4}))[0].note
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=40))
+def test_mcnemars_test_agrees_with_the_binomial_sum(pairs: list[tuple[bool, bool]]) -> None:
+    a, b = (np.array(column) for column in zip(*pairs, strict=True))
+    gained, lost = sum(y and not x for x, y in pairs), sum(x and not y for x, y in pairs)
+    n, few = gained + lost, min(gained, lost)
+    expected = min(1.0, 2 * sum(comb(n, k) for k in range(few + 1)) / 2**n)
+    assert paired_proportions_test(a, b) == pytest.approx(expected)
+    assert paired_proportions_test(b, a) == pytest.approx(expected)
+
+
+def test_mcnemars_test_refuses_samples_of_unequal_length() -> None:
+    with pytest.raises(ValueError, match="must be equal"):
+        paired_proportions_test([True], [True, False])
+
+
+def test_an_unknown_task_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="'parking', must be one of doorway_and_docking, narrow_gap"):
+        TaskStudy(model=Path("m"), tasks=("parking",))
