@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import SeedOption, progress_bar
+from lfdcore.cli.common import SeedOption
+
+if TYPE_CHECKING:
+    from lfdcore.study.report import Section
 
 SENA = Path("/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog")
 """The robotic wheelchair's log in Debian's package mrpt-common."""
@@ -19,32 +22,29 @@ def demo(
         "demo"
     ),
     drivers: Annotated[int, typer.Option(min=1, help="Simulated impaired drivers.")] = 10,
+    starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,
     seed: SeedOption = 1,
 ) -> None:
     """Demonstrations in a simulated home -> a learned assistant -> a course never seen, with and without it."""
-    from lfdcore.study.courses import standard_course
-    from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, run_driving_study
-    from lfdcore.study.driving_report import write_driving_report
-    from lfdcore.study.tables import driving_tables
+    from lfdcore.cli.study import DrivingPlan, drive_and_report
 
-    output.mkdir(parents=True, exist_ok=True)
-    with progress_bar() as bar:
-        task = bar.add_task("demonstrations and learning", total=None)
-        model = learn_from_demonstrations(
-            output, seed, progress=lambda done, total: bar.update(task, completed=done, total=total)
-        )
-        task = bar.add_task("driving a course never seen", total=None)
-        result = run_driving_study(
-            DrivingStudy(courses=(standard_course(),), model=model, drivers=drivers, seed=seed),
-            lambda done, total: bar.update(task, completed=done, total=total),
-        )
-        task = bar.add_task("report", total=1)
-        report = write_driving_report(result, output)
-        bar.update(task, completed=1)
-    for table in driving_tables(result):
-        typer.echo(table.as_text())
-    typer.echo(f"report: {report}")
+    plan = DrivingPlan(output, None, "standard_course", "none,dwa,primitives", drivers, starts, seed)
+    drive_and_report(plan, _real_section).print_tables()
+
+
+def _real_section(model: Path) -> list[Section]:
+    """A prediction along a real log, if there is one at hand."""
+    from lfdcore.cli.common import open_with_joystick
+    from lfdcore.study.prediction_plots import prediction_picture
+    from lfdcore.study.report import Section
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
+
+    log = real_log()
+    if log is None:
+        text = f"None at hand: set LFDCORE_DATA, or install Debian's mrpt-common ({SENA})."
+        return [Section("Prediction along a real log", text)]
+    picture = prediction_picture(DriveAssistantModel.load(model), open_with_joystick(log), origin=log.name)
+    return [Section("Prediction along a real log", pictures=[picture])]
 
 
 def real_log() -> Path | None:

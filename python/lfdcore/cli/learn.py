@@ -12,7 +12,6 @@ from lfdcore.cli.common import (
     LogArguments,
     Preset,
     PresetOption,
-    open_with_joystick,
     print_json,
     progress_bar,
 )
@@ -34,13 +33,17 @@ def learn_drive_command(
     as_json: JsonOption = False,
 ) -> None:
     """Learn local intention, path primitives and compliance from drives (Ch. 3)."""
-    from lfdcore.wheelchair.model_file import LearningConfig, learn_drive
+    from lfdcore.datasets import open_log
+    from lfdcore.study.prediction import learn_from_logs
+    from lfdcore.wheelchair.model_file import LearningConfig
 
-    drives = [open_with_joystick(path).share(0.0, share) for path in logs]
+    drives = [open_log(path) for path in logs]
     config = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
     with progress_bar() as bar:
         task = bar.add_task("learning", total=None)
-        model = learn_drive(drives, config, progress=lambda done, total: bar.update(task, completed=done, total=total))
+        model = learn_from_logs(
+            drives, share, config, progress=lambda done, total: bar.update(task, completed=done, total=total)
+        )
     model.save(output)
     facts = {"model": str(output), **model.summary()}
     if as_json:

@@ -1,5 +1,155 @@
-"""lfdcore predict: a posteriori along real logs."""
+"""lfdcore predict: what models foretell along real logs, a posteriori (Fig. 3.16)."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, print_json, progress_bar
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+    from lfdcore.geometry import Footprint
+    from lfdcore.study.prediction import LogPrediction
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.path_prediction import PathPredictionConfig
 
 
-def predict() -> None:
-    """Placeholder until the prediction study is merged."""
+class Rule(StrEnum):
+    """How a path comes out of the intention map."""
+
+    median = "median"
+    goal = "goal"
+
+
+class Stick(StrEnum):
+    """By which limits a log without a joystick gets one."""
+
+    demonstrated = "demonstrated"
+    own = "own"
+
+
+def predict(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="MODEL... LOG...", help="Learned models and drive logs, in any order.")
+    ],
+    begin: Annotated[float, typer.Option("--from", min=0, max=1, help="Share of each log's scans to begin at.")] = 0.0,
+    end: Annotated[float, typer.Option("--to", min=0, max=1, help="Share of each log's scans to end at.")] = 1.0,
+    rule: Annotated[
+        Rule | None, typer.Option(help="Default: median of all cells' votes; goal: path to the likeliest cell.")
+    ] = None,
+    stick: Annotated[
+        Stick, typer.Option(help="What an inferred joystick means: a stick as demonstrated, or the log's own limits.")
+    ] = Stick.demonstrated,
+    picture: Annotated[
+        Path | None, typer.Option(help="Where a picture like Fig. 3.16 goes (.png, .pdf, .svg).")
+    ] = None,
+    footprint: Annotated[
+        str, typer.Option(help="FRONT,REAR,HALF_WIDTH of the robot in the picture, in metres.")
+    ] = ".8,.35,.35",
+    preset: PresetOption = Preset.default,
+    seed: SeedOption = 1,
+    as_json: JsonOption = False,
+) -> None:
+    """Predict paths along real logs and compare them with what was driven: path error beside two baselines."""
+    from lfdcore.datasets import open_log
+    from lfdcore.study.prediction import StickMeaning, as_text, predict_log
+    from lfdcore.study.prediction import as_json as in_json
+
+    if not begin < end:
+        raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
+    if picture is not None and picture.suffix.lower() not in {".png", ".pdf", ".svg"}:
+        raise typer.BadParameter(f"--picture {picture} must end in .png, .pdf or .svg")
+    outline, config = _footprint(footprint), _config(rule, preset)
+    model_files, log_files = _told_apart(files)
+    models = _load(model_files)
+    logs = [open_log(path).share(begin, end) for path in log_files]
+    predictions = []
+    with progress_bar() as bar:
+        for log in logs:
+            update = partial(_update, bar, bar.add_task(log.name, total=None))
+            predictions.append(predict_log(log, models, config, StickMeaning(stick), update))
+    if picture is not None:
+        _draw(predictions, outline, picture)
+    if as_json:
+        print_json({"from": begin, "to": end, "seed": seed, "logs": [in_json(p, seed) for p in predictions]})
+    else:
+        typer.echo(
+            f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n"
+        )
+        for prediction in predictions:
+            typer.echo(as_text(prediction, seed))
+    if all(prediction.outcome for prediction in predictions):
+        raise typer.Exit(1)
+
+
+def _update(bar: Progress, task: TaskID, done: int, total: int) -> None:
+    bar.update(task, completed=done, total=max(total, 1))
+
+
+def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
+    from dataclasses import replace
+
+    from lfdcore.wheelchair.path_prediction import PathPredictionConfig
+
+    config = PathPredictionConfig.thesis() if preset is Preset.thesis else PathPredictionConfig()
+    return config if rule is None else replace(config, rule=rule.value)
+
+
+def _footprint(text: str) -> Footprint:
+    from lfdcore.geometry import Footprint
+
+    try:
+        front, rear, half_width = (float(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"--footprint {text!r} must be FRONT,REAR,HALF_WIDTH in metres") from None
+    return Footprint(front, rear, half_width)
+
+
+def _told_apart(files: list[Path]) -> tuple[list[Path], list[Path]]:
+    for file in files:
+        if not file.exists():
+            raise FileNotFoundError(2, "no such model or drive log", str(file))
+    models = [file for file in files if _is_model(file)]
+    logs = [file for file in files if file not in models]
+    if not models or not logs:
+        raise typer.BadParameter(f"{len(models)} models and {len(logs)} logs given, at least one of each is needed")
+    return models, logs
+
+
+def _is_model(file: Path) -> bool:
+    """By its suffix or, named otherwise, by what it holds: safetensors begins with its header's length and '{'."""
+    if file.suffix == ".safetensors" or file.is_dir():
+        return not file.is_dir()
+    with file.open("rb") as stream:
+        head = stream.read(9)
+    return head[8:] == b"{" and 1 < int.from_bytes(head[:8], "little") <= file.stat().st_size
+
+
+def _load(files: list[Path]) -> dict[str, DriveAssistantModel]:
+    """By stem; by whole path where two have the same."""
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
+
+    stems = [file.stem for file in files]
+    names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
+    return {name: DriveAssistantModel.load(file) for name, file in zip(names, files, strict=True)}
+
+
+def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:
+    from lfdcore.study.plots import png
+    from lfdcore.study.prediction_picture import prediction_figure
+
+    if all(prediction.outcome for prediction in predictions):
+        typer.echo(f"{picture} is not drawn: no log has a sample", err=True)
+        return
+    figure = prediction_figure(predictions, outline)
+    if picture.suffix.lower() == ".png":
+        picture.write_bytes(png(figure, dpi=150))
+    else:
+        figure.savefig(picture, bbox_inches="tight")
+    typer.echo(f"picture: {picture}", err=True)

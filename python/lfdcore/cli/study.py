@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+
+if TYPE_CHECKING:
+    from lfdcore.study.driving import DrivingResult
+    from lfdcore.study.driving_tasks import TaskResult
+    from lfdcore.study.report import Section
 
 app = typer.Typer(help="Run a study: tables, pictures, one report.html.", no_args_is_help=True)
 
@@ -15,6 +22,69 @@ app = typer.Typer(help="Run a study: tables, pictures, one report.html.", no_arg
 @app.callback()
 def _group() -> None:
     """Run a study: tables, pictures, one report.html."""
+
+
+@dataclass(frozen=True)
+class DrivingPlan:
+    """What a driving study is to do."""
+
+    output: Path
+    model: Path | None
+    courses: str
+    arms: str
+    drivers: int
+    starts: int
+    seed: int
+    processes: int | None = None
+
+
+@dataclass(frozen=True)
+class DrivingOutcome:
+    """What it came to."""
+
+    result: DrivingResult
+    tasks: TaskResult | None
+    report: Path
+
+    def print_tables(self) -> None:
+        """All tables, then the report's path."""
+        from lfdcore.study.tables import driving_tables, task_tables
+
+        for table in driving_tables(self.result) + (task_tables(self.tasks) if self.tasks else []):
+            typer.echo(table.as_text())
+        typer.echo(f"report: {self.report}")
+
+
+def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]] = lambda model: ()) -> DrivingOutcome:
+    """Learns if there is no model, drives courses and tasks, writes the report with `more` sections made of the model."""
+    from lfdcore.study.courses import course_by_name
+    from lfdcore.study.demonstrations import learn_from_demonstrations
+    from lfdcore.study.driving import DrivingStudy, run_driving_study
+    from lfdcore.study.driving_report import write_driving_report
+    from lfdcore.study.driving_tasks import TaskStudy, run_task_study
+
+    courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
+    arms = tuple(plan.arms.split(","))
+    plan.output.mkdir(parents=True, exist_ok=True)
+    with progress_bar() as bar:
+
+        def step(title: str) -> Callable[[int, int], None]:
+            task = bar.add_task(title, total=None)
+            return lambda done, total: bar.update(task, completed=done, total=total)
+
+        model = plan.model or learn_from_demonstrations(plan.output, plan.seed, progress=step("demonstrate, learn"))
+        study = DrivingStudy(courses=courses, model=model, arms=arms, drivers=plan.drivers, seed=plan.seed)
+        result = run_driving_study(study, step("drive courses never seen"), plan.processes)
+        tasks = None
+        if plan.starts:
+            task_study = TaskStudy(model=model, arms=arms, starts=plan.starts, seed=plan.seed)
+            tasks = run_task_study(task_study, step("tasks: docking, narrow gap"), plan.processes)
+        told = step("report")
+        told(0, 1)
+        demonstrations = [] if plan.model else sorted(plan.output.glob("demonstration-*.mcap"))
+        report = write_driving_report(result, plan.output, more(model), demonstrations=demonstrations, tasks=tasks)
+        told(1, 1)
+    return DrivingOutcome(result, tasks, report)
 
 
 @app.command("driving")
@@ -30,32 +100,15 @@ def study_driving(
         str, typer.Option("--assistants", help="Of none, dwa, primitives, supervisor, thesis.")
     ] = "none,dwa,primitives",
     drivers: Annotated[int, typer.Option(min=1, help="Simulated impaired drivers.")] = 10,
+    starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,
     processes: Annotated[int | None, typer.Option(min=1, help="Default: one a core.")] = None,
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Drivers x courses x assistants: Tables 3.1-3.3 with intervals, and pictures of every course."""
-    from lfdcore.study.courses import course_by_name
-    from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, run_driving_study
-    from lfdcore.study.driving_report import write_driving_report
-    from lfdcore.study.tables import driving_tables
-
-    output.mkdir(parents=True, exist_ok=True)
-    chosen = tuple(course_by_name(name, seed) for name in courses.split(","))
-    with progress_bar() as bar:
-        if model is None:
-            task = bar.add_task("demonstrations and learning", total=None)
-            model = learn_from_demonstrations(
-                output, seed, progress=lambda done, total: bar.update(task, completed=done, total=total)
-            )
-        task = bar.add_task("driving", total=None)
-        plan = DrivingStudy(courses=chosen, model=model, arms=tuple(arms.split(",")), drivers=drivers, seed=seed)
-        result = run_driving_study(plan, lambda done, total: bar.update(task, completed=done, total=total), processes)
-    report = write_driving_report(result, output)
+    """Drivers x courses x assistants: Tables 3.1-3.3 with intervals, tasks, and pictures of every course."""
+    plan = DrivingPlan(output, model, courses, arms, drivers, starts, seed, processes)
+    outcome = drive_and_report(plan)
     if as_json:
-        print_json({"report": str(report), "rows": list(result.rows)})
+        print_json({"report": str(outcome.report), "rows": list(outcome.result.rows)})
         return
-    for table in driving_tables(result):
-        typer.echo(table.as_text())
-    typer.echo(f"report: {report}")
+    outcome.print_tables()

@@ -10,7 +10,7 @@ from typing import Any
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import Course, Task, doorway_and_docking, narrow_gap
-from lfdcore.study.drivers import DriverConfig, DriverInput, ImpairedDriver, population
+from lfdcore.study.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
 from lfdcore.study.driving import ARMS, make_assistant
 from lfdcore.study.metrics import reversals, stuck_time
 from lfdcore.study.runner import Job, RunConfig, run_jobs
@@ -25,7 +25,7 @@ DOCKING_SPEED = 0.2
 class TaskDriver(ImpairedDriver):
     """An impaired driver who goes on until the task is done: behind the gap, or docked; only time ends it else."""
 
-    def __init__(self, task: Task, config: DriverConfig) -> None:
+    def __init__(self, task: Task, config: ImpairedConfig) -> None:
         self._task = task
         super().__init__(task.course, config)
 
@@ -39,7 +39,7 @@ class TaskDriver(ImpairedDriver):
         return False
 
 
-def _driver(task: Task, config: DriverConfig, course: Course) -> TaskDriver:
+def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
     return TaskDriver(task, config)
 
 

@@ -123,7 +123,8 @@ def draw_footprints(axes: Axes, poses: Array, footprint: Footprint, edge: str = 
 def every(pose: Array, spacing: float) -> Array:
     """The poses (N, 3) about every `spacing` [m] along the way."""
     way = arc_length(pose[:, :2])
-    return pose[np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(pose) - 1)]
+    at = np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(pose) - 1)
+    return np.asarray(pose[at])
 
 
 def split_plans(trace: DriveTrace) -> tuple[list[Array], list[Array]]:

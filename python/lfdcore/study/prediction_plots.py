@@ -65,12 +65,12 @@ def _count_scan(
     ranges = np.where(np.isnan(log.ranges[k]), 0, np.minimum(log.ranges[k], min(_REACH, log.range_max)))
     fan = np.vstack([[log.T_base_laser.x, log.T_base_laser.y], beams.hits(ranges, np.inf)])
     ends = beams.hits(np.where(log.ranges[k] < _REACH, log.ranges[k], np.inf), log.range_max)
-    fan, ends = (np.floor((T_odom_base.transform(p) - low) / resolution).astype(np.int32) for p in (fan, ends))
-    (x0, y0), (x1, y1) = fan.min(axis=0), fan.max(axis=0) + 1
+    seen, hit = (np.floor((T_odom_base.transform(p) - low) / resolution).astype(np.int32) for p in (fan, ends))
+    (x0, y0), (x1, y1) = seen.min(axis=0), seen.max(axis=0) + 1
     mask = np.zeros((y1 - y0, x1 - x0), np.uint8)
-    cv2.fillPoly(mask, [fan - (x0, y0)], (1,))
+    cv2.fillPoly(mask, [seen - (x0, y0)], (1,))
     counts[0][y0:y1, x0:x1] += mask
-    np.add.at(counts[1], (ends[:, 1], ends[:, 0]), 1)
+    np.add.at(counts[1], (hit[:, 1], hit[:, 0]), 1)
 
 
 def _predictions(model: DriveAssistantModel, log: DriveLog) -> tuple[list[Array], Array]:

@@ -6,12 +6,13 @@ All are drawn in base_link with the chair's front up: x ahead is the vertical ax
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon
@@ -58,12 +59,12 @@ def _front_axes(axes: Axes, back: float = _BACK, reach: float = _EDGE, labels: b
         axes.set_ylabel("x, ahead [m]")
 
 
-def _line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: object) -> None:
+def _line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: Any) -> None:
     axes.plot(points[:, 1], points[:, 0], color=colour, lw=width, **more)
 
 
-def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: object) -> None:
-    axes.plot([point[1]], [point[0]], **{"marker": "o", "color": colour, "ms": size, "ls": "none", "zorder": 6} | more)
+def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
+    axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
 
 
 def _chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
@@ -77,7 +78,7 @@ def _stick(axes: Axes, joystick: Sequence[float] | Array, colour: str = STICK, l
     axes.annotate("", xy=tip, xytext=(0, 0), arrowprops=arrow, zorder=7)
 
 
-def _image(axes: Axes, values: NDArray[np.floating], **more: object) -> AxesImage:
+def _image(axes: Axes, values: NDArray[np.floating], **more: Any) -> AxesImage:
     """A window of cells [iy, ix] behind everything else."""
     extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
     return axes.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", zorder=0, **more)
@@ -191,6 +192,11 @@ def bin_heading(index: int, bins: int = 17) -> float:
     return float((index + 0.5) * 2 * np.pi / bins - np.pi)
 
 
+def _colour(colours: ScalarMappable, index: int) -> str:
+    """Of an orientation bin."""
+    return to_hex(colours.cmap(colours.norm(np.degrees(bin_heading(index)))))
+
+
 def _in_bin(paths: LocalPaths, index: int) -> list[Array]:
     """The paths of a bin with the mirror images of the opposite one's."""
     flip = np.array([1.0, -1.0])
@@ -221,7 +227,7 @@ def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable
     for reach in (0.9, 1.6, 2.3):
         goals = goal_ring(reach, 15)
         for goal, which in zip(goals, primitives.nearest(goals), strict=True):
-            colour = colours.to_rgba(np.degrees(bin_heading(int(primitives.bins[which]))))
+            colour = _colour(colours, int(primitives.bins[which]))
             _line(axes, primitives.scaled_to(goal), colour, 1.1 if reach < 2 else 1.5, zorder=2)
             _dot(axes, goal, "#c9ced5", 5.0, mec="#6b7280", mew=0.6)
     _chair(axes, Footprint(), "#d6282830", "#d62828")
@@ -229,7 +235,7 @@ def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable
     axes.set_title("B  the nearest primitive scaled to goals (grey)")
 
 
-_TITLE = {"ha": "center", "fontsize": 9.5}
+_TITLE: dict[str, Any] = {"ha": "center", "fontsize": 9.5}
 
 
 @styled
@@ -238,9 +244,9 @@ def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
     colours = ScalarMappable(Normalize(-180, 180), "turbo")
     figure = Figure(figsize=(PAGE, 3.1))  # placed by hand: nested automatic layouts are not the same every time
     panels = figure.add_gridspec(3, 6, left=0.045, right=0.645, bottom=0.13, top=0.86, wspace=0.12, hspace=0.3)
-    for which, axes in enumerate(panels.subplots(sharex=True, sharey=True).ravel()):
+    for which, axes in enumerate(np.asarray(panels.subplots(sharex=True, sharey=True)).ravel()):
         if which < len(primitives):
-            colour = colours.to_rgba(np.degrees(bin_heading(int(primitives.bins[which]))))
+            colour = _colour(colours, int(primitives.bins[which]))
             _draw_bin(axes, primitives, which, paths, colour)
         else:
             axes.set_axis_off()

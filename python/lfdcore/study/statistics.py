@@ -73,6 +73,26 @@ def paired_test(a: ArrayLike, b: ArrayLike) -> PairedTest:
     return PairedTest(n, float(difference.mean()), float(stats.wilcoxon(difference).pvalue))
 
 
+def block_bootstrap(values: Array, blocks: NDArray[np.int_], seed: int, draws: int = 4000) -> tuple[Array, Array]:
+    """95 % percentile intervals of the means of values (n, k) whose neighbours are correlated -> low (k,), high (k,).
+
+    Whole blocks are drawn with replacement: blocks (n,) says which block a value belongs to. NaN for fewer than 2
+    blocks. The same seed gives the same interval (blocks do not overlap: Carlstein 1986).
+    """
+    x = np.asarray(values, float)
+    if x.ndim != 2 or np.shape(blocks) != (len(x),):
+        raise ValueError(f"values and blocks have shapes {x.shape} and {np.shape(blocks)}, must be (n, k) and (n,)")
+    _, member = np.unique(blocks, return_inverse=True)
+    count = int(member.max(initial=-1)) + 1
+    if count < 2:
+        return np.full(x.shape[1], np.nan), np.full(x.shape[1], np.nan)
+    sums, sizes = np.zeros((count, x.shape[1])), np.bincount(member).astype(float)
+    np.add.at(sums, member, x)
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), size=draws)
+    low, high = np.percentile((drawn @ sums) / (drawn @ sizes)[:, None], [2.5, 97.5], axis=0)
+    return low, high
+
+
 def paired_proportions_test(a: ArrayLike, b: ArrayLike) -> float:
     """McNemar's exact test of two paired yes/no samples (n,): two-sided p; 1 if no pair differs."""
     x, y = np.asarray(a, bool), np.asarray(b, bool)

@@ -1,0 +1,370 @@
+"""Prediction a posteriori along real logs (Sec. 3.5.2, Fig. 3.16): what the models foretell, judged on what was driven.
+
+The metric and the baselines are those of path_error. Where a model predicts nothing, straight on stands in. Compliance
+along a log is that of Sec. 3.5.2: a path point p that was predicted at t is compliant if the model's compliance of
+(p', Y), p' being p seen from where the chair was and Y the stick there, is at least .9 at any instant from t on at
+which p' lies within the look-ahead that compliance is defined for (and, so that a later visit to the same place does
+not count, before the robot has driven the path's reach and the look-ahead).
+
+What an inferred stick means. The same stick is not the same curve on two vehicles: fully ahead and fully left,
+freiburg-079's robot turns 1.2 rad per metre, the wheelchair SENA .19. Read by its own limits, SENA's gentle curves
+become a stick that asks for corners. `demonstrated` therefore divides the velocities of a log without a recorded
+joystick by limits that stand in the demonstrations' proportion: a stick's direction means the curvature that it meant
+when the model was learned. `own` divides them by the log's own limits.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets import joystick_from_motion, open_log
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.motion import motion_limits, windowed_twist
+from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2, Twist2, arc_length
+from lfdcore.study import path_error
+from lfdcore.study.path_error import ARC, REACH, REACHES, PathSamples, at_arc_lengths, path_errors, path_samples
+from lfdcore.study.statistics import block_bootstrap
+from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+STRAIGHT, ARC_ON = "straight", "constant arc"
+BLOCK = 2 * REACH
+"""[m] of way whose samples are drawn together: paths of 2.5 m that start farther apart share nothing"""
+COMPLIANT_FROM = 0.9
+_PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
+
+
+class StickMeaning(StrEnum):
+    """By which limits the velocities of a log without a joystick become a stick."""
+
+    demonstrated = "demonstrated"
+    own = "own"
+
+
+TRAINING, SHARE = "freiburg-079-corrected.log.gz", 0.7
+"""The log of docs/real-logs.md to learn from, and the first share of its scans that is learned"""
+OTHERS = (
+    "fhw-corrected.log.gz",
+    "aces-corrected.log.gz",
+    "freiburg-101-corrected.log.gz",
+    "sena-wheelchair-one-loop.rawlog",
+)
+"""Logs never learned from; seattle-corrected.log.gz is for the final table only"""
+
+
+@dataclass(frozen=True)
+class ErrorRow:
+    """One predictor's path error up to one reach; intervals: 95 %, of the mean, by block bootstrap."""
+
+    predictor: str
+    reach: float
+    """[m]"""
+    n: int
+    mean: float
+    """[m]"""
+    low: float
+    high: float
+    median: float
+    """[m]"""
+    difference: float
+    """[m] mean of the paired difference to the better baseline (the one of smaller mean), < 0: better; 0 for itself"""
+    difference_low: float
+    difference_high: float
+    baseline: str
+    """which baseline is the better one"""
+
+
+@dataclass(frozen=True)
+class ModelPaths:
+    """What one model predicts at the N samples of a log."""
+
+    paths: Array
+    """(N, 25, 2) [m] at ARC, in base_link at the scan"""
+    missing: NDArray[np.bool_]
+    """(N,) where it predicts nothing and straight on stands in"""
+    compliant: NDArray[np.bool_]
+    """(N, 25) path points that agree with a later input (Sec. 3.5.2); False where nothing was predicted"""
+    deviation: Array
+    """(N, 25) [m] of the way driven from each path point"""
+    stick: str
+    """what the stick was"""
+
+    @property
+    def rmse(self) -> float:
+        """[m] of the way driven from the compliant path points; NaN without any"""
+        return float(np.sqrt((self.deviation[self.compliant] ** 2).mean())) if self.compliant.any() else float("nan")
+
+
+@dataclass(frozen=True)
+class LogPrediction:
+    """All models along one log."""
+
+    log: DriveLog
+    samples: PathSamples
+    models: dict[str, ModelPaths]
+
+    @property
+    def outcome(self) -> str:
+        """Empty, or in one line why nothing could be judged."""
+        if len(self.samples):
+            return ""
+        scans, records = len(self.log.scan_stamp), len(self.log.odometry_stamp)
+        return (
+            f"no sample in {scans} scans and {records} odometry records: they share no clock, "
+            f"or the robot never drives {REACH} m forward at {path_error.SLOWEST} m/s or more"
+        )
+
+    def predicted(self) -> dict[str, Array]:
+        """Baselines and models -> (N, 25, 2) [m]"""
+        velocity = self.samples.velocity
+        baselines = {STRAIGHT: path_error.straight(velocity), ARC_ON: path_error.constant_arc(velocity)}
+        return baselines | {name: model.paths for name, model in self.models.items()}
+
+
+def learn_from_logs(
+    logs: Sequence[DriveLog],
+    share: float = 1.0,
+    config: LearningConfig | None = None,
+    progress: Progress | None = None,
+) -> DriveAssistantModel:
+    """learn_drive on the first `share` of each log's scans; a joystick that was not recorded is inferred from that
+    share alone. The model's metadata keep what full deflection meant: `full_deflection` [m/s, rad/s], a pair a log."""
+    drives = [joystick_from_motion(log.share(0.0, share)) for log in logs]
+    model = learn_drive(drives, config or LearningConfig(), progress=progress)
+    meant = [[*full_deflection(log)] for log in drives]
+    return dataclasses.replace(model, metadata=model.metadata | {"full_deflection": meant})
+
+
+def full_deflection(log: DriveLog) -> Twist2:
+    """How fast [m/s, rad/s] the vehicle moves with the stick pushed fully: the median of velocity (mean over the last
+    half second) by deflection, where that is at least .2 and not cut to 1; the log's own limits for a direction in
+    which the stick was never pushed so."""
+    twist = windowed_twist(log.odometry_stamp, log.pose)
+    own, found = motion_limits(twist), []
+    newest = np.searchsorted(log.odometry_stamp, log.joystick_stamp, side="right") - 1
+    known = newest >= 0
+    for axis, limit in enumerate(own):
+        stick, speed = log.joystick[known, axis], twist[newest[known], axis]
+        told = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
+        if not told.any():
+            told = np.abs(stick) >= _PUSHED
+        ratio = float(np.median(speed[told] / stick[told])) if told.any() else limit
+        found.append(ratio if ratio > 0 else limit)
+    return Twist2(*found)
+
+
+def with_stick(
+    log: DriveLog, model: DriveAssistantModel, meaning: StickMeaning = StickMeaning.demonstrated
+) -> DriveLog:
+    """The log with the driver's input; recorded ones are left alone. See the module for what `meaning` decides; a
+    model that does not say what full deflection meant (of several demonstrations: the geometric mean) leaves `own`."""
+    said = np.array(model.metadata.get("full_deflection", []), float).reshape(-1, 2)
+    if meaning is StickMeaning.own or not len(said):
+        return joystick_from_motion(log)
+    if not (np.isfinite(said).all() and (said > 0).all()):
+        raise DataError(f"the model's full_deflection is {said.tolist()} m/s and rad/s, must be positive")
+    wanted = np.exp(np.log(said).mean(axis=0))
+    own = motion_limits(windowed_twist(log.odometry_stamp, log.pose))
+    scale = float((np.array([*own]) / wanted).max())
+    return joystick_from_motion(log, limits=Twist2(*(scale * wanted)))
+
+
+def predict_log(
+    log: DriveLog,
+    models: Mapping[str, DriveAssistantModel],
+    config: PathPredictionConfig | None = None,
+    meaning: StickMeaning = StickMeaning.demonstrated,
+    progress: Progress | None = None,
+) -> LogPrediction:
+    """Runs every model at every sample of a log; progress(done, total) counts predictions.
+
+    A log without samples (no scans, no odometry, no common clock, standing still) gives one with an `outcome`.
+    ValueError for a laser that lies outside the local window.
+    """
+    usable = len(log.scan_stamp) and len(log.odometry_stamp) > 1
+    samples = path_samples(log) if usable else _no_samples()
+    tell = _Counter(progress or (lambda done, of: None), len(samples) * len(models))
+    found = {name: _along_log(log, samples, model, config, meaning, tell) for name, model in models.items()}
+    return LogPrediction(log, samples, found)
+
+
+class _Counter:
+    """Tells how many predictions are done, of all models together"""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress, self._total, self._done = progress, total, 0
+        progress(0, total)
+
+    def __call__(self) -> None:
+        self._done += 1
+        self._progress(self._done, self._total)
+
+
+def predict_real_logs(
+    folder: Path,
+    others: Sequence[str] = OTHERS,
+    thesis: bool = False,
+    meaning: StickMeaning = StickMeaning.demonstrated,
+) -> list[LogPrediction]:
+    """The run of docs/real-logs.md on a folder of logs: learns on the first 70 % of freiburg-079 by scan, predicts on
+    its rest and on `others`; `thesis`: the printed form of learning and prediction."""
+    log = open_log(folder / TRAINING)
+    model = learn_from_logs([log], SHARE, LearningConfig.thesis() if thesis else None)
+    config = PathPredictionConfig.thesis() if thesis else None
+    judged = [log.share(SHARE, 1.0), *(open_log(folder / name) for name in others)]
+    return [predict_log(one, {"thesis" if thesis else "default": model}, config, meaning) for one in judged]
+
+
+def _no_samples() -> PathSamples:
+    return PathSamples(np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, len(ARC), 2)))
+
+
+def _along_log(
+    log: DriveLog,
+    samples: PathSamples,
+    model: DriveAssistantModel,
+    config: PathPredictionConfig | None,
+    meaning: StickMeaning,
+    tell: _Counter,
+) -> ModelPaths:
+    driven = with_stick(log, model, meaning)
+    sticks, predictor = driven.joystick_at(driven.scan_stamp), PathPredictor(model, config)
+    paths, missing = path_error.straight(samples.velocity), np.zeros(len(samples), bool)
+    for k, i in enumerate(samples.scan):
+        path = predictor.predict(sticks[i], driven.scan(int(i)), driven.T_base_laser)
+        missing[k] = path is None
+        if path is not None:
+            paths[k] = at_arc_lengths(path)
+        tell()
+    compliant = compliant_points(driven, samples, paths, model) & ~missing[:, None]
+    told = driven.metadata.get("joystick", "as recorded")
+    return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), told)
+
+
+def compliant_points(
+    log: DriveLog, samples: PathSamples, paths: Array, model: DriveAssistantModel
+) -> NDArray[np.bool_]:
+    """Which points of the paths (N, A, 2) predicted at the samples agree with an input from then on -> (N, A); see the
+    module. The inputs are those at the log's scans."""
+    compliant = np.zeros(paths.shape[:2], bool)
+    if not len(samples):
+        return compliant
+    look_ahead = model.compliance.config.look_ahead
+    poses, sticks = log.pose_at(log.scan_stamp), log.joystick_at(log.scan_stamp)
+    way = _way(log)
+    inputs = np.flatnonzero(np.hypot(*sticks.T) > 0)
+    ends = np.searchsorted(way, way[samples.scan] + REACH + look_ahead, side="right")
+    points = np.array([Pose2(*poses[i]).transform(path) for i, path in zip(samples.scan, paths, strict=True)])
+    for i in inputs:
+        open_ = np.flatnonzero((samples.scan <= i) & (i < ends))
+        seen = Pose2(*poses[i]).inverse().transform(points[open_].reshape(-1, 2))
+        distance = np.hypot(*seen.T)
+        near = (distance <= look_ahead) & (distance > 1e-6)
+        if near.any():
+            agrees = np.zeros(len(seen), bool)
+            agrees[near] = model.compliance.compliances(seen[near], sticks[i]) >= COMPLIANT_FROM
+            compliant[open_] |= agrees.reshape(len(open_), -1)
+    return compliant
+
+
+def _way(log: DriveLog) -> Array:
+    """(S,) [m] driven up to each scan by odometry"""
+    return np.asarray(np.interp(log.scan_stamp, log.odometry_stamp, arc_length(log.pose[:, :2])))
+
+
+def _deviations(paths: Array, driven: Array) -> Array:
+    """(N, A) [m] from each path point to the way driven over the same reach, a polyline from base_link on"""
+    found = np.zeros(paths.shape[:2])
+    for k, (path, truth) in enumerate(zip(paths, driven, strict=True)):
+        start = np.vstack([[0.0, 0.0], truth[:-1]])
+        step, to = truth - start, path[:, None] - start
+        share = np.clip((to * step).sum(2) / np.maximum((step**2).sum(1), 1e-12), 0, 1)
+        found[k] = np.linalg.norm(to - share[..., None] * step, axis=2).min(axis=1)
+    return found
+
+
+def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
+    """n, mean, median, 95 % interval and paired difference to the better baseline, at 1, 2 and 2.5 m."""
+    samples, predicted = prediction.samples, prediction.predicted()
+    if not len(samples):
+        return []
+    blocks = np.floor_divide(_way(prediction.log)[samples.scan], BLOCK).astype(int)
+    rows = []
+    for reach in REACHES:
+        errors = {name: path_errors(paths, samples.driven, reach) for name, paths in predicted.items()}
+        best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
+        columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
+        low, high = block_bootstrap(columns, blocks, seed)
+        for k, (name, e) in enumerate(errors.items()):
+            d = k + len(errors)
+            own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
+            paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
+            rows.append(ErrorRow(name, reach, len(e), *own, *paired, best))
+    return rows
+
+
+def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
+    """All figures of one log by name; None or NaN where there is none."""
+    about = {
+        name: {
+            "missing": float(paths.missing.mean()) if len(paths.missing) else None,
+            "compliant": float(paths.compliant.mean()) if len(paths.missing) else None,
+            "rmse_compliant": paths.rmse,
+            "stick": paths.stick,
+        }
+        for name, paths in prediction.models.items()
+    }
+    rows = [dataclasses.asdict(row) for row in error_rows(prediction, seed)]
+    return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
+
+
+def as_text(prediction: LogPrediction, seed: int = 1) -> str:
+    """The same for people: a table, and a line a model."""
+    if prediction.outcome:
+        return f"{prediction.log.name}: {prediction.outcome}\n"
+    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %")
+    rows = [_cells(row) for row in error_rows(prediction, seed)]
+    widths = [max(len(line[k]) for line in (header, *rows)) for k in range(len(header))]
+    lines = [f"{prediction.log.name}: path error"]
+    for first, *others in (header, *rows):
+        cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
+    lines += [_about(name, paths) for name, paths in prediction.models.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _cells(row: ErrorRow) -> tuple[str, ...]:
+    def interval(low: float, high: float) -> str:
+        return "-" if np.isnan(low) else f"{low:.3f} .. {high:.3f}"
+
+    baseline = row.predictor == row.baseline
+    return (
+        row.predictor,
+        f"{row.reach:.1f}",
+        str(row.n),
+        f"{row.mean:.3f}",
+        interval(row.low, row.high),
+        f"{row.median:.3f}",
+        "is it" if baseline else f"{row.difference:+.3f}",
+        "" if baseline else interval(row.difference_low, row.difference_high),
+    )
+
+
+def _about(name: str, paths: ModelPaths) -> str:
+    return (
+        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); "
+        f"{100 * paths.compliant.mean():.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m; "
+        f"stick {paths.stick}"
+    )
