@@ -6,11 +6,9 @@ python replay_log.py MODEL LOG -> one line a scan: stamp, linear and angular com
 import sys
 from pathlib import Path
 
-import lfdcore._core as core
+from lfdcore import _core, simulation
 
-import lfdcore.simulation
-
-del core.simulation.DrivingWorld, lfdcore.simulation.DrivingWorld  # whoever asks for a world fails
+del _core.simulation.DrivingWorld, simulation.DrivingWorld  # whoever asks for a world fails
 
 from lfdcore.datasets import open_log  # noqa: E402
 from lfdcore.wheelchair.assistants import DriveAssistant  # noqa: E402
