@@ -15,3 +15,11 @@ def data_folder() -> Path:
     if os.environ.get("LFDCORE_REQUIRE_DATA"):
         pytest.fail("LFDCORE_REQUIRE_DATA is set, but LFDCORE_DATA is not")
     pytest.skip("LFDCORE_DATA is not set: no real logs and maps at hand")
+
+
+@pytest.fixture(scope="session")
+def home_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of an assistant that learned from an expert in the training home (about 2 s, once a session)."""
+    from lfdcore.study.demonstrations import learn_from_demonstrations
+
+    return learn_from_demonstrations(tmp_path_factory.mktemp("home_model"), seed=1)

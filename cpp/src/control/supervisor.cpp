@@ -194,15 +194,18 @@ bool Supervisor::largest_scale(const Twist2& wanted, Twist2& found) {
 void Supervisor::list_candidates(const Twist2& wanted) {
   candidates_.clear();
   const double farthest = size(wanted);
+  const auto try_later = [&](double linear, double angular) {
+    const double distance = size({wanted.linear - linear, wanted.angular - angular});
+    if (distance < farthest && std::abs(angular) <= limits_.max_angular)
+      candidates_.push_back({{linear, angular}, distance});
+  };
   for (int i = 0; i < config_.linear_samples; ++i) {
     const double linear = wanted.linear * (1 - static_cast<double>(i) / (config_.linear_samples - 1));
     for (int j = 0; j < config_.angular_samples; ++j) {
       const double turn = limits_.max_angular * farthest * (2.0 * j / (config_.angular_samples - 1) - 1);
-      const Twist2 twist{linear, wanted.angular + turn};
-      const double distance = size({wanted.linear - linear, turn});
-      if (distance < farthest && std::abs(twist.angular) <= limits_.max_angular)
-        candidates_.push_back({twist, distance});
+      try_later(linear, wanted.angular + turn);
     }
+    try_later(linear, 0);  // along a wall that is too near for any turn
     if (wanted.linear == 0) break;
   }
   std::sort(candidates_.begin(), candidates_.end(),

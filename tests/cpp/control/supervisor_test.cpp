@@ -80,7 +80,7 @@ TEST(Supervisor, never_lets_a_point_into_the_footprint_whatever_the_driver_does)
   }
   EXPECT_GT(least, 0.005);  // slow_margin less the tolerance of the swept test
   EXPECT_GT(changed, ticks / 4);
-  EXPECT_GT(stopped, 20);
+  EXPECT_GT(stopped, 5);
   EXPECT_GT(moving, ticks / 10);
 }
 

@@ -1,0 +1,183 @@
+"""A learned assistant's whole update() along a recorded drive: aim median <= 10 ms, p99 <= 20 ms; one thread.
+
+Records an impaired driver in the office, replays it (asserting the recorded commands) and prints times, a profile by
+stage, and the memory of an assistant and of a run's trace.
+Run: python benchmarks/bench_update.py [--updates N] [--runs N]
+"""
+
+import argparse
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets import open_log
+from lfdcore.study.courses import office
+from lfdcore.study.demonstrations import learn_from_demonstrations
+from lfdcore.study.drivers import ImpairedDriver, population
+from lfdcore.study.runner import RunConfig, run_drive
+from lfdcore.wheelchair import assistants, path_planner
+from lfdcore.wheelchair.assistants import DriveAssistant
+from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.observation import Observation, observations
+
+CLOCKS = {"wall": time.perf_counter, "CPU": time.thread_time}
+"""CPU time tells what a quiet machine would show where this one is not."""
+AIMS = {"median": (50, 10.0), "p90": (90, None), "p99": (99, 20.0), "most": (100, None)}
+
+
+class Stopwatch:
+    """Seconds spent in each stage, and how often."""
+
+    def __init__(self) -> None:
+        self.spent: dict[str, list[float]] = {}
+
+    def around(self, stage: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        def timed(*args: Any, **kwargs: Any) -> Any:
+            start = time.perf_counter()
+            try:
+                return call(*args, **kwargs)
+            finally:
+                self.spent.setdefault(stage, []).append(time.perf_counter() - start)
+
+        return timed
+
+
+class Timed:
+    """An object whose named methods are timed; all else is passed on."""
+
+    def __init__(self, watch: Stopwatch, inner: Any, stages: dict[str, str]) -> None:
+        self._inner = inner
+        for method, stage in stages.items():
+            setattr(self, method, watch.around(stage, getattr(inner, method)))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+
+MODULES = {
+    path_planner: {
+        "inflate": "inflate",
+        "path_cells": "reward",
+        "path_reward": "reward",
+        "GridMdp": "DPP: MDP",
+        "greedy_path": "greedy path",
+        "smooth": "greedy path",
+        "rollout_pursuit": "roll-out",
+    },
+    assistants: {"pure_pursuit": "pursuit", "time_to_contact": "time to contact"},
+}
+"""Stages that are functions, by the module that calls them."""
+
+
+def instrument(assistant: Any, watch: Stopwatch) -> Callable[[], None]:
+    """Times the stages of one assistant -> a function that takes the watches off the modules again."""
+    around = assistant._surroundings
+    stages = {"insert": "rolling map: insert", "obstacles": "rolling map: obstacles", "local_grid": "rolling map: grid"}
+    around._map = Timed(watch, around._map, stages)
+    assistant._supervisor = Timed(watch, assistant._supervisor, {"filter": "supervisor"})
+    planner, model = assistant.planner, assistant.model
+    planner._dpp = Timed(watch, planner._dpp, {"solve": "DPP: sweeps"})
+    planner._hybrid_astar = Timed(watch, planner._hybrid_astar, {"solve": "hybrid A*"})
+    planner._last_free = watch.around("last free end", planner._last_free)
+    model.intention.predict = watch.around("intention", model.intention.predict)
+    model.compliance.compliances = watch.around("compliance", model.compliance.compliances)
+    kept = [(module, name, getattr(module, name)) for module, stages in MODULES.items() for name in stages]
+    for module, name, call in kept:
+        setattr(module, name, watch.around(MODULES[module][name], call))
+
+    def restore() -> None:
+        for module, name, call in kept:
+            setattr(module, name, call)
+
+    return restore
+
+
+def lived(model: Path, folder: Path, updates: int) -> tuple[list[Observation], NDArray[np.float64], str]:
+    """The first `updates` observations of a drive and the commands of then, and what the run's trace takes."""
+    course, path = office(), folder / "drive.mcap"
+    config = RunConfig(slowest=course.length / (updates / 10))
+    driver = ImpairedDriver(course, population(1, 1)[0])
+    trace = run_drive(course, driver, DriveAssistant(DriveAssistantModel.load(model)), 1, config, path)
+    log = open_log(path)
+    of_trace, of_log = trace.nbytes / len(trace.stamp), path.stat().st_size / len(log.scan_stamp)
+    size = f"a tick takes {of_trace:.0f} B of a study's trace, {of_log:.0f} B of a drive log"
+    return list(observations(log))[:updates], log.command[:updates], size
+
+
+def replay(assistant: DriveAssistant, seen: list[Observation], expected: NDArray[np.float64]) -> tuple[Any, Any]:
+    """-> times [ms] (N, clocks) and whether each update planned (N,)."""
+    assistant.reset()
+    times, commands, planned = np.zeros((len(seen), 2)), np.zeros((len(seen), 2)), np.zeros(len(seen), bool)
+    for i, observation in enumerate(seen):
+        start = [clock() for clock in CLOCKS.values()]
+        said = assistant.update(observation)
+        times[i] = [(clock() - before) * 1e3 for clock, before in zip(CLOCKS.values(), start, strict=True)]
+        commands[i], planned[i] = tuple(said.command), said.planned
+    np.testing.assert_allclose(commands, expected, rtol=0, atol=1e-9)
+    return times, planned
+
+
+def print_times(times: NDArray[np.float64], planned: NDArray[np.bool_]) -> None:
+    """times (runs, updates, clocks) [ms]; medians over the runs of each run's percentile."""
+    print(f"  {'':24}" + "".join(f"{clock + ' ms':>10}" for clock in CLOCKS))
+    for name, (percentile, aim) in AIMS.items():
+        values = np.median(np.percentile(times, percentile, axis=1), axis=0)
+        print(f"  {name:24}{values[0]:10.2f}{values[1]:10.2f}" + ("" if aim is None else f"   aim <= {aim:.0f} ms"))
+    typical = np.median(times, axis=0)
+    for name, rows in ((f"{planned.sum()} made a path", planned), ("the others", ~planned)):
+        values = np.median(typical[rows], axis=0)
+        print(f"  {name:24}{values[0]:10.2f}{values[1]:10.2f}   (medians)")
+
+
+def print_profile(watch: Stopwatch, total: float, updates: int) -> None:
+    print(f"  {'stage':24}{'calls':>7}{'median ms':>11}{'p99 ms':>9}{'share':>8}")
+    for stage, spent in sorted(watch.spent.items(), key=lambda item: -sum(item[1])):
+        calls = np.array(spent) * 1e3
+        share = calls.sum() / total
+        print(f"  {stage:24}{len(calls):7}{np.median(calls):11.3f}{np.percentile(calls, 99):9.3f}{share:8.1%}")
+    rest = total - 1e3 * sum(map(sum, watch.spent.values()))
+    print(f"  {'Python between':24}{updates:7}{rest / updates:11.3f}{'':9}{rest / total:8.1%}  (mean an update)")
+
+
+def resident() -> float:
+    """Most memory this process has had so far [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--updates", type=int, default=1000)
+    parser.add_argument("--runs", type=int, default=5)
+    wanted = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        file = learn_from_demonstrations(Path(folder), seed=1)
+        seen, commands, size = lived(file, Path(folder), wanted.updates)
+        bytes_of_model = file.stat().st_size
+        fresh = [DriveAssistant(DriveAssistantModel.load(file)) for _ in range(2)]
+    replay(fresh[0], seen, commands)  # warms up
+    before = resident()
+    runs = [replay(fresh[0], seen, commands) for _ in range(wanted.runs)]
+    grown = resident() - before
+    times, planned = np.array([run[0] for run in runs]), runs[0][1]
+    print(f"{len(seen)} updates in the office, commands as recorded, median of {wanted.runs} runs, threads=1")
+    print_times(times, planned)
+    watch = Stopwatch()
+    restore = instrument(fresh[1], watch)
+    profiled, _ = replay(fresh[1], seen, commands)
+    restore()
+    print_profile(watch, float(profiled[:, 0].sum()), len(seen))
+    print(f"memory: model {bytes_of_model / 1e3:.0f} kB; {size}; process {resident():.0f} MB,")
+    print(f"  of which {grown:.1f} MB came during {wanted.runs * len(seen)} updates after the first {len(seen)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""What a real chair would run: replays a drive log through a fresh assistant, in a process without a world.
+
+python replay_log.py MODEL LOG -> one line a scan: stamp, linear and angular command, mode, whether a path was made.
+"""
+
+import sys
+from pathlib import Path
+
+from lfdcore import _core, simulation
+
+del _core.simulation.DrivingWorld, simulation.DrivingWorld  # whoever asks for a world fails
+
+from lfdcore.datasets import open_log  # noqa: E402
+from lfdcore.wheelchair.assistants import DriveAssistant  # noqa: E402
+from lfdcore.wheelchair.model_file import DriveAssistantModel  # noqa: E402
+from lfdcore.wheelchair.observation import observations  # noqa: E402
+
+
+def main(model: str, log: str) -> None:
+    assistant = DriveAssistant(DriveAssistantModel.load(Path(model)))
+    for seen in observations(open_log(Path(log))):
+        said = assistant.update(seen)
+        print(repr(seen.stamp), *map(repr, said.command), said.mode, said.planned)
+    known = [name for name in sys.modules if name.startswith("lfdcore.study")]
+    if known:
+        sys.exit(f"the assistant imported {known}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
