@@ -18,6 +18,7 @@ from lfdcore.wheelchair.assistants import (
     DriveAssistant,
     DriveAssistantConfig,
     DynamicWindowAssistant,
+    Supervised,
     Unassisted,
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -41,6 +42,8 @@ def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
         return Unassisted(chair)
     if arm == "dwa":
         return DynamicWindowAssistant(chair)
+    if arm == "supervisor":
+        return Supervised(chair)
     if arm == "primitives":
         return DriveAssistant(_model(model), chair)
     if arm == "thesis":
@@ -62,6 +65,11 @@ class DrivingStudy:
     drivers: int = 10
     seed: int = 1
     run: RunConfig = field(default_factory=RunConfig)
+
+    def __post_init__(self) -> None:
+        for arm in self.arms:
+            if arm not in ARMS + FOOTNOTE_ARMS:
+                raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
 
     def jobs(self) -> list[Job]:
         """One job a run, in a fixed order: course, driver, arm."""

@@ -58,6 +58,28 @@ class Unassisted:
         return Assistance(joystick_to_twist(*observation.joystick, self.chair.limits), "user")
 
 
+class Supervised:
+    """The joystick drives the chair as far as the supervisor lets it: what the supervisor does alone."""
+
+    name = "supervisor"
+
+    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = 120.0) -> None:
+        self.chair = chair or ChairGeometry()
+        self._surroundings = Surroundings(self.chair, map_duration)
+        self._supervisor = Supervisor(self.chair.footprint, self.chair.limits)
+
+    def reset(self) -> None:
+        """Forgets all scans."""
+        self._surroundings.clear()
+
+    def update(self, observation: Observation) -> Assistance:
+        """The admissible twist nearest to the joystick's."""
+        obstacles = self._surroundings.see(observation)
+        wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
+        allowed = self._supervisor.filter(wanted, observation.twist, obstacles)
+        return Assistance(allowed.twist, "user", supervised=allowed.changed)
+
+
 class Surroundings:
     """What is around the chair: a rolling map of recent scans, since the LIDAR never sees beside the body."""
 
@@ -89,7 +111,7 @@ class DynamicWindowAssistant:
         chair: ChairGeometry | None = None,
         config: DynamicWindowConfig | None = None,
         projection: float = 1.0,
-        map_duration: float = 30.0,
+        map_duration: float = 120.0,
     ) -> None:
         self.chair = chair or ChairGeometry()
         self.config = config or DynamicWindowConfig()
@@ -127,10 +149,12 @@ class DriveAssistantConfig:
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
     """[s] A path is renewed at the latest after this, or long turns that look compliant circle; printed: never."""
+    refuse_below: float = 0.1
+    """A new path that leads so far from the input (compliance) is not followed at all; printed: 0, any is."""
     replan_pause: float = 0.5
     """[s] For so long a path stays that was incompliant already when it was made, unless the stick turns: asking again
     at once would give the same; printed: 0."""
-    map_duration: float = 30.0
+    map_duration: float = 120.0
     """Memory of the rolling map [s]; printed: the present scan only."""
     own_turn_after: float = np.radians(90)
     """A driver who goes on asking for a turn to one side after the chair has turned this far [rad] wants a tighter one
@@ -159,6 +183,7 @@ class DriveAssistantConfig:
         return DriveAssistantConfig(
             planner=PlannerConfig.thesis(),
             replan_after=float("inf"),
+            refuse_below=0.0,
             replan_pause=0.0,
             own_turn_after=float("inf"),
             map_duration=0.01,
@@ -291,7 +316,9 @@ class DriveAssistant:
             return False
         planned = self.planner.plan(observation, self._surroundings.grid(observation), obstacles)
         self._track = None if planned is None else _track(planned, observation)
-        return planned is not None
+        if self._track is not None and self._compliance(self._track, observation) < self.config.refuse_below:
+            self._track = None
+        return self._track is not None
 
     def _due(self, track: _Track, observation: Observation) -> bool:
         age = observation.stamp - track.stamp

@@ -78,6 +78,9 @@ def observations(log: DriveLog) -> Iterator[Observation]:
 
     Scans before the first joystick or odometry record are skipped.
     """
+    for name in ("odometry", "joystick"):
+        if not len(getattr(log, f"{name}_stamp")):
+            raise ValueError(f"{log.name} has no {name}, an assistant needs at least one record of it")
     start = max(log.odometry_stamp[0], log.joystick_stamp[0])
     for index, stamp in enumerate(log.scan_stamp):
         if stamp < start:

@@ -195,8 +195,8 @@ def test_an_unknown_arm_is_refused_by_name(home_model: Path) -> None:
     "arm",
     [
         *ARMS,
-        pytest.param("thesis", marks=pytest.mark.xfail(strict=True, reason="RollingMap refuses a duration of 0 s")),
-        pytest.param("supervisor", marks=pytest.mark.xfail(strict=True, reason="make_assistant does not know it")),
+        "thesis",
+        "supervisor",
     ],
 )
 def test_every_arm_drives(arm: str, home_model: Path) -> None:

@@ -90,7 +90,6 @@ def test_observations_hold_the_last_odometry_and_joystick_and_skip_scans_before_
     assert [o.joystick[0] for o in seen] == [0.5, 0.5, -0.5]
 
 
-@pytest.mark.xfail(strict=True, raises=IndexError, reason="observations() looks at record 0 without asking")
 @pytest.mark.parametrize("missing", ["odometry", "joystick"])
 def test_a_log_without_odometry_or_joystick_is_refused_by_name(missing: str) -> None:
     fields = {
