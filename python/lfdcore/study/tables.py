@@ -193,8 +193,8 @@ def _driving_table(result: DrivingResult, course: str) -> Table:
         "mean+-sd over drivers, below it the 95 % interval of the mean; shares with Wilson's interval. p: paired over "
         "drivers (exact Wilcoxon signed-rank; McNemar's exact test for completion), not corrected for their number. "
         "Failures (stuck, out of time) stay in, with the time at which they were given up: where an arm completes "
-        "less, its time and distance are too small. Thesis: unassisted -> assisted, 10 people in another course of its own."
-        + _horizon(arms),
+        "less, its time and distance are too small. Thesis: unassisted -> assisted, 10 people in another course of its "
+        "own." + _horizon(arms),
     )
 
 
