@@ -1,3 +1,5 @@
+// D.5-D.6 with their superscripts put right are D.7 with log-sum-exp; the Boltzmann mean of D.7-D.8, used here, has the
+// same limit (ERRATA 17). Every exponent is relative to the largest, as D.8 overflows otherwise (ERRATA 18).
 // D.7 with a deterministic successor s'(s, a) adds r(s') + gamma M(s') - M(s) to Psi(s, a). So Psi keeps the form
 // Psi_0(s, a) + A(s') - B(s), where A += r + gamma M and B += M = Q - B with Q(s) the Boltzmann mean (D.8) of
 // Psi_0(s, a) + A(s'). Hence B_{k+1} = Q_k and, summed up, A_{k+1} = (k + 1) r + gamma Q_k: only A is iterated.

@@ -62,14 +62,15 @@ def steering_entropy(steering: Array, baseline: float | None = None) -> float:
 
     `steering` (T,) at about .15 s. Bins at +-.5, 1, 2.5 and 5 alpha, where alpha is `baseline` (of an unassisted run,
     say) or, without one, that of the series itself, which makes the figure blind to the size of the errors (ERRATA
-    48). A perfectly predictable series gives 0; one shorter than 4 samples NaN.
+    48). A perfectly predictable series gives 0; one shorter than 4 samples NaN, and so does a `baseline` of 0 or NaN: a
+    run without prediction errors is no measure of another's.
     """
     if len(steering) < 4:
         return float("nan")
     errors = prediction_errors(steering)
     alpha = entropy_baseline(steering) if baseline is None else baseline
-    if alpha <= 1e-9 * np.abs(steering).max():
-        return 0.0
+    if not alpha > 1e-9 * np.abs(steering).max():
+        return 0.0 if baseline is None else float("nan")
     edges = np.array([-np.inf, -5, -2.5, -1, -0.5, 0.5, 1, 2.5, 5, np.inf]) * alpha
     share = np.histogram(errors, edges)[0] / len(errors)
     share = share[share > 0]
@@ -244,9 +245,9 @@ class FrameworkMetrics:
     """One assisted run (Table 3.3)."""
 
     obedience: float
-    """exp(-.003 |alpha|), alpha the mean angular error [deg] below (Li et al. 2011)"""
+    """mean over plans of exp(-.003 |alpha|), alpha the angular error [deg] of the plan, goal_errors (Li et al. 2011)"""
     angular_error: float
-    """[deg] what lies behind the obedience: exp(-.003 |alpha|) never falls under .583 (ERRATA 23)"""
+    """[deg] mean of |alpha|: what lies behind the obedience: exp(-.003 |alpha|) never falls under .583 (ERRATA 23)"""
     path_compliance: float
     """mean over plans of the share of points that complied at any later time (Sec. 3.5.2, lasting_compliance)"""
     tracked_compliance: float

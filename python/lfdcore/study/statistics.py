@@ -55,7 +55,7 @@ class PairedTest:
     difference: float
     """mean of b - a"""
     p: float
-    """two-sided; 1 if all differences vanish, NaN for fewer than 2 pairs"""
+    """two-sided, exact; pairs without a difference are left out; 1 if all vanish, NaN for fewer than 2 pairs"""
 
 
 def paired_test(a: ArrayLike, b: ArrayLike) -> PairedTest:
@@ -70,7 +70,21 @@ def paired_test(a: ArrayLike, b: ArrayLike) -> PairedTest:
         return PairedTest(n, float(difference.mean()) if n else float("nan"), float("nan"))
     if not difference.any():
         return PairedTest(n, 0.0, 1.0)
-    return PairedTest(n, float(difference.mean()), float(stats.wilcoxon(difference).pvalue))
+    return PairedTest(n, float(difference.mean()), _signed_rank_p(difference[difference != 0]))
+
+
+def _signed_rank_p(difference: Array) -> float:
+    """Two-sided p of Wilcoxon's statistic for differences (n,), none 0, over all 2^n signs.
+
+    Counts of contacts are mostly ties and zeros. scipy takes a normal law for those from 14 pairs on, which calls three
+    contacts in 20 pairs p = .08 where it is .25.
+    """
+    rank = np.rint(2 * stats.rankdata(np.abs(difference))).astype(int)  # tied ranks are halves
+    share = np.ones(1)  # share[w]: of all signs, those whose positive ranks sum to w
+    for r in rank:
+        share = np.convolve(share, np.r_[0.5, np.zeros(r - 1), 0.5])
+    off = np.abs(2 * np.arange(len(share)) - rank.sum())
+    return float(min(1.0, share[off >= abs(2 * rank[difference > 0].sum() - rank.sum())].sum()))
 
 
 def block_bootstrap(values: Array, blocks: NDArray[np.int_], seed: int, draws: int = 4000) -> tuple[Array, Array]:

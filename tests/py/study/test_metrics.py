@@ -114,6 +114,11 @@ def test_a_perfectly_predictable_signal_has_entropy_zero_despite_rounding() -> N
     assert np.isnan(steering_entropy(np.zeros(3)))
 
 
+@pytest.mark.parametrize("baseline", [0.0, float("nan")])
+def test_a_fixed_baseline_without_errors_gives_no_entropy_instead_of_a_perfect_one(baseline: float) -> None:
+    assert np.isnan(steering_entropy(np.random.default_rng(0).normal(size=100), baseline))
+
+
 def test_prediction_is_exact_for_straight_lines_only() -> None:
     """ERRATA 48: a parabola leaves an error of 1."""
     t = np.arange(50.0)

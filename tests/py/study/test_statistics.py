@@ -1,7 +1,12 @@
 """Intervals and tests against scipy's or a simulation's answer."""
 
+from itertools import product
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
 
 from lfdcore.study.statistics import paired_test, proportion, summarise
 
@@ -39,3 +44,24 @@ def test_equal_arms_have_p_one_and_shapes_must_agree() -> None:
     assert np.isnan(paired_test([1], [2]).p)
     with pytest.raises(ValueError, match="must be equal"):
         paired_test([1, 2], [1])
+
+
+@given(st.lists(st.integers(-4, 4), min_size=2, max_size=9))
+def test_the_paired_p_counts_all_signs_of_tied_ranks(differences: list[int]) -> None:
+    nonzero = np.array([d for d in differences if d])
+    rank = stats.rankdata(np.abs(nonzero))
+    sums = np.array([np.dot(rank, signs) for signs in product((-1, 1), repeat=len(nonzero))])
+    expected = float(np.mean(np.abs(sums) >= abs(np.dot(rank, np.sign(nonzero))) - 1e-9)) if len(nonzero) else 1.0
+    assert paired_test(np.zeros(len(differences)), differences).p == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_paired_p_without_ties_is_scipys_exact_one() -> None:
+    difference = np.random.default_rng(5).normal(0.3, 1.0, 40)
+    exact = stats.wilcoxon(difference, method="exact").pvalue
+    assert paired_test(np.zeros(40), difference).p == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("n", [10, 20, 200])
+def test_pairs_without_a_difference_do_not_sharpen_the_paired_p(n: int) -> None:
+    """Three contacts more, all in one direction, are 2 of 8 signs, however many pairs had none."""
+    assert paired_test(np.zeros(n), [1, 1, 1] + [0] * (n - 3)).p == pytest.approx(0.25)

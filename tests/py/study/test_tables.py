@@ -165,6 +165,7 @@ def test_task_shares_have_wilsons_interval_and_mcnemars_p() -> None:
 def test_the_task_table_prints_the_horizon_of_dwa_only_with_dwa_in_it() -> None:
     horizon = f"{DynamicWindowConfig().horizon:g} s"
     assert horizon in task_tables(task_result({"none": 3, "dwa": 4}))[0].note
+    assert "50% of the asked speed" in task_tables(task_result({"none": 3, "dwa": 4}))[0].note
     assert "horizon" not in task_tables(task_result({"none": 3, "primitives": 4}))[0].note
 
 

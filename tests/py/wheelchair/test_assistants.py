@@ -341,3 +341,10 @@ def test_the_bare_supervisor_gives_the_joysticks_twist_where_there_is_room_and_s
     last, said = drive(Supervised(), lambda _: (1.0, 0.0), 80, walls=wall)[-1]
     assert said.supervised
     assert 2.5 - 0.8 - last.pose.x == pytest.approx(0.03, abs=0.03)
+
+
+def test_in_the_open_dwa_drives_at_the_share_of_its_projection_in_its_horizon() -> None:
+    """As docs/decisions.md says: the goal lies 1 s ahead, a twist is held for 2 s."""
+    dwa = DynamicWindowAssistant()
+    end = drive(dwa, lambda _: (1.0, 0.0), 60, walls=OPEN)[-1][1]
+    assert end.command.linear == pytest.approx(dwa.projection / dwa.config.horizon, abs=0.02)

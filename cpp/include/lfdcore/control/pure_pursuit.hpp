@@ -1,4 +1,4 @@
-// Pure Pursuit (Coulter 1990; App. E.1, Alg. 7): steer an arc through a point of the path that lies ahead.
+// Pure Pursuit (Coulter 1990; App. E.1, Alg. 7, F10): steer an arc through a point of the path that lies ahead.
 #pragma once
 
 #include "lfdcore/geometry.hpp"

@@ -32,7 +32,8 @@ void validate(const ContactConfig& contact);
 void validate(const ChairConfig& chair);
 
 /// The twist that a joystick asks for: `forward` in [-1, 1] scales max_linear (max_reverse when negative), `left` in
-/// [-1, 1] scales max_angular. Throws std::invalid_argument for values out of [-1, 1] or NaN.
+/// [-1, 1] scales max_angular, positive to the left (F12). Throws std::invalid_argument for values out of [-1, 1] or
+/// NaN.
 Twist2 joystick_to_twist(double forward, double left, const MotionLimits& limits);
 
 }  // namespace lfdcore
