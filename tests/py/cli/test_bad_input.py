@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lfdcore.cli.main import main
 from lfdcore.control import (
     FootprintRolloutConfig,
     Supervisor,
@@ -14,7 +15,6 @@ from lfdcore.control import (
     solve_dynamic_window,
     time_to_contact,
 )
-from lfdcore.cli.main import main
 from lfdcore.datasets import DriveLog, read_map, write_map
 from lfdcore.errors import DataError
 from lfdcore.geometry import Footprint, MotionLimits, Twist2
@@ -122,3 +122,15 @@ def test_no_search_begins_with_a_footprint_that_it_could_not_get_around(side: st
     ):
         with pytest.raises(ValueError, match=rf"footprint.{side} is .* m"):
             search()
+
+
+def test_study_refuses_a_model_that_is_missing_before_it_drives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert outcome(monkeypatch, "study", "driving", "-o", tmp_path / "out", "--model", tmp_path / "none") == 1
+    assert "none: No such file" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_seed_that_no_generator_takes_is_wrong_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert outcome(monkeypatch, "study", "driving", "-o", tmp_path, "--seed", 2**64) == 2
