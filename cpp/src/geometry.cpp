@@ -1,5 +1,7 @@
 #include "lfdcore/geometry.hpp"
 
+#include "lfdcore/error.hpp"
+
 namespace lfdcore {
 
 Pose2 integrate(const Pose2& pose, const Twist2& twist, double duration) {
@@ -10,6 +12,13 @@ Pose2 integrate(const Pose2& pose, const Twist2& twist, double duration) {
   const double chord = std::abs(half) < 1e-6 ? distance * (1 - half * half / 6) : distance * std::sin(half) / half;
   return {pose.x + chord * std::cos(pose.yaw + half), pose.y + chord * std::sin(pose.yaw + half),
           wrap_angle(pose.yaw + turn)};
+}
+
+void require_bounded(const Footprint& footprint) {
+  constexpr double longest = 100;
+  require_between("footprint.front", footprint.front, -longest, longest, "m");
+  require_between("footprint.rear", footprint.rear, -longest, longest, "m");
+  require_between("footprint.half_width", footprint.half_width, -longest, longest, "m");
 }
 
 }  // namespace lfdcore

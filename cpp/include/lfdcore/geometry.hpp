@@ -62,4 +62,7 @@ struct Footprint {
   }
 };
 
+/// Throws std::invalid_argument for a side that is not finite or reaches beyond 100 m: no search around it would end.
+void require_bounded(const Footprint& footprint);
+
 }  // namespace lfdcore

@@ -97,6 +97,7 @@ void validate(const DynamicWindowConfig& config) {
 DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vector2d& goal,
                                          const ObstaclePoints& obstacles, const Footprint& footprint,
                                          const MotionLimits& limits, const DynamicWindowConfig& config) {
+  require_bounded(footprint);
   validate(config);
   validate(limits);
   require_finite("current linear", current.linear, "m/s");

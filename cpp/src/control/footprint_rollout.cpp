@@ -53,6 +53,7 @@ void validate(const FootprintRolloutConfig& config) {
 FootprintRollout rollout_pursuit(const Path& path, const ObstaclePoints& obstacles, const Footprint& footprint,
                                  const MotionLimits& limits, const Twist2& twist,
                                  const FootprintRolloutConfig& config) {
+  require_bounded(footprint);
   validate(limits);
   validate(config);
   require_finite("twist.linear", twist.linear, "m/s");
@@ -84,6 +85,7 @@ FootprintRollout rollout_pursuit(const Path& path, const ObstaclePoints& obstacl
 
 double time_to_contact(const Twist2& twist, const ObstaclePoints& obstacles, const Footprint& footprint,
                        double horizon) {
+  require_bounded(footprint);
   require_between("twist.linear", twist.linear, -10, 10, "m/s");
   require_between("twist.angular", twist.angular, -10, 10, "rad/s");
   require_positive("horizon", horizon, "s");

@@ -42,6 +42,7 @@ Supervisor::Supervisor(const Footprint& footprint, const MotionLimits& limits, c
     : footprint_(footprint), limits_(limits), config_(config) {
   validate(limits);
   validate(config);
+  require_bounded(footprint);
   require_positive("footprint front", footprint.front, "m");
   require_positive("footprint rear", footprint.rear, "m");
   require_positive("footprint half_width", footprint.half_width, "m");

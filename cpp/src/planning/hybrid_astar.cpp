@@ -27,6 +27,7 @@ struct Open {
 };
 
 void validate(const Footprint& footprint) {
+  require_bounded(footprint);
   require_positive("footprint.front", footprint.front, "m");
   require_positive("footprint.rear", footprint.rear, "m");
   require_positive("footprint.half_width", footprint.half_width, "m");

@@ -26,7 +26,7 @@ class Preset(StrEnum):
 
 
 PresetOption = Annotated[Preset, typer.Option(help="'thesis' restores every printed value.")]
-SeedOption = Annotated[int, typer.Option(min=0, help="The same seed gives the same bytes.")]
+SeedOption = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="The same seed gives the same bytes.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of tables.")]
 LogArguments = Annotated[
     list[Path], typer.Argument(help="Drive logs: .mcap, CARMEN .log(.gz), MRPT .rawlog, ROS bags.")

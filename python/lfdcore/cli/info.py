@@ -54,12 +54,13 @@ def _log_facts(file: Path) -> dict[str, Any]:
     from lfdcore.geometry import arc_length
 
     log = open_log(file)
+    way = arc_length(log.pose[:, :2])[-1] if len(log.pose) else 0.0
     return {
         "kind": "drive log",
         "name": log.name,
         "duration [s]": round(log.duration, 1),
         "scans": f"{log.ranges.shape[0]} of {log.ranges.shape[1]} beams",
-        "odometry": f"{len(log.odometry_stamp)} records, {arc_length(log.pose[:, :2])[-1]:.1f} m",
+        "odometry": f"{len(log.odometry_stamp)} records, {way:.1f} m",
         "joystick": f"{len(log.joystick_stamp)} records",
         "commands": f"{len(log.command_stamp)} records",
         "plans": len(log.plans),

@@ -37,6 +37,7 @@ def learn_drive_command(
     from lfdcore.study.prediction import learn_from_logs
     from lfdcore.wheelchair.model_file import LearningConfig
 
+    _require_writable(output, logs)
     drives = [open_log(path) for path in logs]
     config = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
     with progress_bar() as bar:
@@ -51,3 +52,13 @@ def learn_drive_command(
         return
     for name, value in facts.items():
         typer.echo(f"{name:>24}  {value}")
+
+
+def _require_writable(output: Path, logs: list[Path]) -> None:
+    """The model replaces what stands at `output`: never a log that it learns from, a folder or a device."""
+    if not output.exists():
+        return
+    if not output.is_file():
+        raise ValueError(f"{output}: exists and is no regular file, so no model is written there")
+    if any(log.exists() and output.samefile(log) for log in logs):
+        raise typer.BadParameter(f"--output {output} is one of the logs to learn from")

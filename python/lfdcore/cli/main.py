@@ -33,7 +33,7 @@ def version(show: bool = typer.Option(False, "--version", help="Print the versio
 
 
 def _fail(message: str) -> NoReturn:
-    print(f"lfdcore: {message}", file=sys.stderr)
+    print(f"lfdcore: {' '.join(message.split())}", file=sys.stderr)
     sys.exit(1)
 
 
@@ -47,5 +47,7 @@ def main() -> None:
         _fail(str(error))
     except OSError as error:
         _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    except MemoryError:
+        _fail("out of memory")
     except KeyboardInterrupt:
         _fail("interrupted")

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from lfdcore.wheelchair.path_prediction import PathPredictionConfig
 
 
+LARGEST = 100.0
+"""[m] that a robot in the picture may measure in any direction"""
+
+
 class Rule(StrEnum):
     """How a path comes out of the intention map."""
 
@@ -108,6 +112,8 @@ def _footprint(text: str) -> Footprint:
         front, rear, half_width = (float(part) for part in text.split(","))
     except ValueError:
         raise typer.BadParameter(f"--footprint {text!r} must be FRONT,REAR,HALF_WIDTH in metres") from None
+    if not all(0 < size <= LARGEST for size in (front, rear, half_width)):
+        raise typer.BadParameter(f"--footprint {text!r} must lie in (0, {LARGEST:g}] m")
     return Footprint(front, rear, half_width)
 
 

@@ -62,7 +62,10 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
     from lfdcore.study.driving import DrivingStudy, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
 
+    if plan.model is not None:
+        DriveAssistantModel.load(plan.model)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
     plan.output.mkdir(parents=True, exist_ok=True)

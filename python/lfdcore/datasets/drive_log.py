@@ -195,9 +195,12 @@ class DriveLog:
     def save(self, path: str | Path) -> None:
         """Writes the log to `path` as one .mcap; what stood there is replaced only by a whole file.
 
-        The file holds stamps to 1 ns, the joystick as float32, all else as it is. ValueError for negative stamps.
+        The file holds stamps to 1 ns, the joystick as float32, all else as it is. ValueError for negative stamps
+        and where `path` is a folder or a device.
         """
         path = Path(path)
+        if path.exists() and not path.is_file():
+            raise ValueError(f"path is {path}, exists and is no regular file")
         part = path.with_name(path.name + ".part")
         try:
             with DriveLogWriter(part, T_base_laser=self.T_base_laser, name=self.name, metadata=self.metadata) as writer:

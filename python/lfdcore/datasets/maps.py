@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import stat
 from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 import numpy as np
@@ -15,8 +17,12 @@ from lfdcore.grid import OccupancyGrid
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """Values of cells [%]"""
+COARSEST = 1000.0
+"""Largest resolution [m] that is read"""
 FREE_THRESHOLD, OCCUPIED_THRESHOLD = 0.196, 0.65
 """What `write_map` states; the shares of black below and above which a pixel is free and occupied"""
+_SHORT = Repr()
+_SHORT.maxlevel = 2  # aliases make a few lines of YAML unfold to gigabytes
 _FREE_PIXEL, _UNKNOWN_PIXEL, _OCCUPIED_PIXEL = 254, 205, 0  # as map_saver
 
 
@@ -30,15 +36,15 @@ def read_map(path: str | Path) -> OccupancyGrid:
     path = Path(path)
     described = _described(path)
     resolution = _number(path, described, "resolution")
-    if not resolution > 0:
-        raise DataError(f"{path}: resolution is {resolution} m, must be positive")
+    if not 0 < resolution <= COARSEST:
+        raise DataError(f"{path}: resolution is {resolution} m, must be positive and at most {COARSEST:g} m")
     free, occupied = (_number(path, described, key) for key in ("free_thresh", "occupied_thresh"))
     if not 0 <= free <= occupied <= 1:
         raise DataError(
             f"{path}: free_thresh is {free}, occupied_thresh {occupied}; must be 0 <= free <= occupied <= 1"
         )
     if (mode := described.get("mode", "trinary")) != "trinary":
-        raise DataError(f"{path}: mode is {mode!r}, only 'trinary' is read")
+        raise DataError(f"{path}: mode is {_SHORT.repr(mode)}, only 'trinary' is read")
     origin = _origin(path, described)
     image = _image(path, described)
     black = image / 255.0 if _negated(path, described) else (255 - image) / 255.0
@@ -82,7 +88,7 @@ def write_map(grid: OccupancyGrid, path: str | Path) -> None:
 def _described(path: Path) -> dict[str, Any]:
     try:
         described = yaml.safe_load(path.read_bytes())
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError, AttributeError) as error:  # the last: a mistyped tag
         raise DataError(f"{path}: is no YAML: {' '.join(str(error).split())}") from error
     if not isinstance(described, dict):
         raise DataError(f"{path}: must hold keys and values, holds {type(described).__name__}")
@@ -100,15 +106,22 @@ def _number(path: Path, described: dict[str, Any], key: str) -> float:
 
 
 def _finite(path: Path, key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise DataError(f"{path}: {key} is {value!r}, must be a finite number")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not _fits(value):
+        raise DataError(f"{path}: {key} is {_SHORT.repr(value)}, must be a finite number")
     return float(value)
+
+
+def _fits(value: float) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an int of hundreds of digits
+        return False
 
 
 def _origin(path: Path, described: dict[str, Any]) -> tuple[float, float]:
     origin = _entry(path, described, "origin")
     if not isinstance(origin, list) or len(origin) != 3:
-        raise DataError(f"{path}: origin is {origin!r}, must be [x, y, yaw]")
+        raise DataError(f"{path}: origin is {_SHORT.repr(origin)}, must be [x, y, yaw]")
     x, y, yaw = (_finite(path, "origin", value) for value in origin)
     if yaw != 0:
         raise DataError(f"{path}: origin is turned by {yaw} rad, only 0 is read")
@@ -118,7 +131,7 @@ def _origin(path: Path, described: dict[str, Any]) -> tuple[float, float]:
 def _negated(path: Path, described: dict[str, Any]) -> bool:
     negate = described.get("negate", 0)
     if negate not in (0, 1) or not isinstance(negate, int):
-        raise DataError(f"{path}: negate is {negate!r}, must be 0 or 1")
+        raise DataError(f"{path}: negate is {_SHORT.repr(negate)}, must be 0 or 1")
     return bool(negate)
 
 
@@ -128,9 +141,11 @@ def _image(path: Path, described: dict[str, Any]) -> NDArray[np.uint8]:
 
     name = _entry(path, described, "image")
     if not isinstance(name, str) or not name:
-        raise DataError(f"{path}: image is {name!r}, must be the name of a file")
+        raise DataError(f"{path}: image is {_SHORT.repr(name)}, must be the name of a file")
     file = path.parent / name
     try:
+        if not stat.S_ISREG(file.stat().st_mode):  # a device or a pipe may never end
+            raise DataError(f"{path}: image {file} cannot be read: is no regular file")
         content = np.frombuffer(file.read_bytes(), np.uint8)
     except (OSError, ValueError) as error:
         raise DataError(f"{path}: image {file} cannot be read: {error}") from error

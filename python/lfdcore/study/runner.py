@@ -202,5 +202,9 @@ def run_jobs(jobs: Iterable[Job], processes: int | None = None) -> Iterator[tupl
         return
     with ProcessPoolExecutor(max_workers=count) as pool:
         futures = {pool.submit(job.run): i for i, job in enumerate(jobs)}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BaseException:  # a failure or Ctrl-C: do not first drive all that is still queued
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
