@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from lfdcore.datasets import open_log
@@ -32,17 +33,22 @@ _READING = (
 def _run_picture(number: str, course: Course, traces: Sequence[DriveTrace], n: int) -> Picture:
     reading = _READING.format(spacing=max(0.7, course.length / 150))
     caption = f"As {number}: {course.name}. {course.description[:1].upper()}{course.description[1:].rstrip('.')}."
-    driver = f"The same simulated impaired driver in every panel, 1 of {n} (seed {traces[0].seed})."
+    driver = f"One of {n} simulated impaired drivers (seed {traces[0].seed}), the same in every panel."
     return Picture(course_figure(course, traces), f"{caption} {driver} {reading}")
 
 
 def course_pictures(result: DrivingResult) -> list[Picture]:
-    """For each course the first driver's run in every arm."""
-    first, n = result.study.seed, result.study.drivers
-    return [
-        _run_picture("Fig. 3.14-3.15", c, [t for t in result.traces if (t.course, t.seed) == (c.name, first)], n)
-        for c in result.study.courses
-    ]
+    """For each course the runs of the driver with the median number of contacts in the first arm."""
+    pictures = []
+    for course in result.study.courses:
+        runs = [trace for trace in result.traces if trace.course == course.name]
+        first = sorted((int(t.collision.sum()), t.seed) for t in runs if t.assistant == result.study.arms[0])
+        seed = first[len(first) // 2][1]
+        chosen = [trace for trace in runs if trace.seed == seed]
+        made = _run_picture("Fig. 3.14-3.15", course, chosen, result.study.drivers)
+        rule = "Shown is the driver with the median number of contacts in the first panel."
+        pictures.append(replace(made, caption=f"{made.caption} {rule}"))
+    return pictures
 
 
 def task_pictures(result: TaskResult) -> list[Picture]:

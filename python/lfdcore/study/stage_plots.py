@@ -400,7 +400,7 @@ def stage_figures(
         pictures.append(
             Picture(
                 intention_figure(first),
-                "As Fig. 3.8. A: the chair (red), its scan (green, hits dark; obstacles remembered from the last 30 s "
+                "As Fig. 3.8. A: the chair (red), its scan (green, hits dark; obstacles remembered from recent scans "
                 "grey) and the stick (violet). B: likelihood that the driver wants to get to a cell; the likeliest is "
                 f"g* (white dot); obstacles in white. {at}",
             )

@@ -146,7 +146,7 @@ def test_wide_courses_stand_below_each_other() -> None:
 
 
 def test_a_picture_needs_no_pyplot() -> None:
-    modules = "lfdcore.study.driving_report, lfdcore.study.prediction_plots"
+    modules = "lfdcore.study.driving_report, lfdcore.study.prediction_picture"
     code = f"import sys, {modules}; print('matplotlib.pyplot' in sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "False"

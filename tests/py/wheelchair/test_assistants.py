@@ -19,6 +19,7 @@ from lfdcore.wheelchair.assistants import (
     DriveAssistant,
     DriveAssistantConfig,
     DynamicWindowAssistant,
+    Supervised,
     Unassisted,
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -304,3 +305,39 @@ def test_every_command_has_passed_the_supervisor(model: DriveAssistantModel) -> 
 def test_the_printed_loop_drives(model: DriveAssistantModel) -> None:
     assistant = DriveAssistant(model, config=DriveAssistantConfig.thesis())
     assert {said.mode for _, said in drive(assistant, lambda _: (0.7, 0.0), 10)} == {"path"}
+
+
+OPEN = np.array([[[-50.0, -50.0], [50.0, -50.0]], [[-50.0, 50.0], [50.0, 50.0]]])
+"""Two walls far away: (W, 2, 2) [m]"""
+
+
+def test_a_driver_who_holds_a_turn_through_a_quarter_turn_gets_the_turn_himself(assistant: DriveAssistant) -> None:
+    done = drive(assistant, lambda _: (0.25, 0.75), 150, walls=OPEN)
+    first = next(k for k, (_, said) in enumerate(done) if said.mode == "own_turn")
+    assert done[first][0].pose.yaw == pytest.approx(np.pi / 2, abs=0.15)
+    own = joystick_to_twist(0.25, 0.75, LIMITS)
+    assert tuple(done[first][1].command) == pytest.approx(tuple(own), abs=1e-6)
+    assert all(said.mode == "own_turn" for _, said in done[first:])
+
+
+def test_the_turn_is_given_back_as_soon_as_the_stick_goes_elsewhere(assistant: DriveAssistant) -> None:
+    done = drive(assistant, lambda tick: (0.25, 0.75) if tick < 120 else (0.8, 0.0), 125, walls=OPEN)
+    assert done[119][1].mode == "own_turn"
+    assert done[120][1].mode != "own_turn"
+
+
+def test_a_path_that_leads_against_the_stick_is_not_followed(model: DriveAssistantModel) -> None:
+    always = dataclasses.replace(DriveAssistantConfig(), refuse_below=1.1)
+    modes = {said.mode for _, said in drive(DriveAssistant(model, config=always), lambda _: (0.8, 0.0), 10)}
+    assert modes == {"no_path"}
+    assert drive(DriveAssistant(model), lambda _: (0.8, 0.0), 10)[-1][1].mode == "path"
+
+
+def test_the_bare_supervisor_gives_the_joysticks_twist_where_there_is_room_and_stops_at_a_wall() -> None:
+    free = drive(Supervised(), lambda _: (0.8, 0.1), 5, walls=OPEN)[-1][1]
+    assert tuple(free.command) == pytest.approx(tuple(joystick_to_twist(0.8, 0.1, LIMITS)))
+    assert not free.supervised
+    wall = np.array([[[2.5, -3.0], [2.5, 3.0]]])
+    last, said = drive(Supervised(), lambda _: (1.0, 0.0), 80, walls=wall)[-1]
+    assert said.supervised
+    assert 2.5 - 0.8 - last.pose.x == pytest.approx(0.03, abs=0.03)

@@ -186,6 +186,8 @@ SCENES = [
     ),
     # straight at a thin wall from near, beside another
     Scene([(3.0, 0.0, 3.05, 5.0), (1.0, 1.5, 2.5, 1.6)], Pose2(1.5, 2.05, 0.0), [AHEAD] * 30),
+    # a stick held to one side in the open: more than a quarter turn
+    Scene([], Pose2(5.0, 2.5, 0.0), [SHARP_LEFT] * 120),
 ]
 
 
