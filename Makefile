@@ -39,12 +39,12 @@ $(BIN)/python:
 	python3 -m venv $(VENV)
 
 $(VENV)/.installed-study: $(SOURCES) | $(BIN)/python
-	$(BIN)/pip install --quiet '.[study]' -C build-dir=build/release -C cmake.define.LFDCORE_BUILD_TESTS=OFF
+	$(BIN)/pip install --quiet '.[study]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
 	touch $@
 
 $(VENV)/.installed-test: $(SOURCES) $(wildcard tests/cpp/*.cpp tests/cpp/*/*.cpp) | $(BIN)/python
 	sh tools/system-packages.sh build test
-	$(BIN)/pip install --quiet '.[study,test]' -C build-dir=build/release -C cmake.define.LFDCORE_BUILD_TESTS=ON
+	$(BIN)/pip install --quiet '.[study,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
 	touch $@ $(VENV)/.installed-study
 
 clean:

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from lfdcore.study.report import Section
     from lfdcore.wheelchair.model_file import DriveAssistantModel
 
+FREIBURG = Path("logs/freiburg-079-corrected.log.gz")
+"""The log in the folder that LFDCORE_DATA names."""
+
 SENA = Path("/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog")
 """The robotic wheelchair's log in Debian's package mrpt-common."""
 
@@ -45,7 +48,7 @@ def _real_section(model: Path) -> list[Section]:
     title = "Prediction along a real log"
     path = real_log()
     if path is None:
-        return [Section(title, f"None at hand: set LFDCORE_DATA, or install Debian's mrpt-common ({SENA}).")]
+        return [Section(title, f"None at hand: neither $LFDCORE_DATA/{FREIBURG} nor {SENA} (Debian's mrpt-common).")]
     log, models = _judged(path)
     models["simulated home"] = DriveAssistantModel.load(model)
     prediction = predict_log(log, models)
@@ -71,6 +74,5 @@ def _judged(path: Path) -> tuple[DriveLog, dict[str, DriveAssistantModel]]:
 def real_log() -> Path | None:
     """A real log at hand: of LFDCORE_DATA, or the one in Debian's mrpt-common."""
     folder = os.environ.get("LFDCORE_DATA")
-    if folder:
-        return Path(folder) / "logs" / "freiburg-079-corrected.log.gz"
-    return SENA if SENA.exists() else None
+    places = ([Path(folder) / FREIBURG] if folder else []) + [SENA]
+    return next((place for place in places if place.exists()), None)

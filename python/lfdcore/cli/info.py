@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -55,14 +56,18 @@ def _log_facts(file: Path) -> dict[str, Any]:
 
     log = open_log(file)
     way = arc_length(log.pose[:, :2])[-1] if len(log.pose) else 0.0
-    return {
+    mounting = log.T_base_laser
+    facts = {
         "kind": "drive log",
         "name": log.name,
         "duration [s]": round(log.duration, 1),
         "scans": f"{log.ranges.shape[0]} of {log.ranges.shape[1]} beams",
+        "scanner at": f"{mounting.x:g} m, {mounting.y:g} m, {math.degrees(mounting.yaw):g} deg in base_link",
         "odometry": f"{len(log.odometry_stamp)} records, {way:.1f} m",
         "joystick": f"{len(log.joystick_stamp)} records",
         "commands": f"{len(log.command_stamp)} records",
         "plans": len(log.plans),
-        **log.metadata,
     }
+    for name, note in log.metadata.items():
+        facts[name] = f"{facts[name]}; {note}" if name in facts else note
+    return facts

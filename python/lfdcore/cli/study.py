@@ -56,7 +56,7 @@ class DrivingOutcome:
 
 
 def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]] = lambda model: ()) -> DrivingOutcome:
-    """Learns if there is no model, drives courses and tasks, writes the report with `more` sections made of the model."""
+    """Learns if there is no model, drives courses and tasks, writes the report; `more` makes sections of the model."""
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
     from lfdcore.study.driving import DrivingStudy, run_driving_study

@@ -32,6 +32,10 @@ img { max-width: 100%; height: auto; }
 """
 
 
+SIGNS = {"+-": " &plusmn; ", "-&gt;": "&rarr;", "&gt;=": "&ge;", "&lt;=": "&le;"}
+"""What tables write in ASCII, for the terminal, and its sign in a page."""
+
+
 @dataclass(frozen=True)
 class Picture:
     """A figure and what it shows."""
@@ -52,7 +56,10 @@ class Section:
 
 def _cell(text: str) -> str:
     """A cell's first line large, further ones small."""
-    first, *more = escape(text).replace("+-", " &plusmn; ").split("\n")
+    html = escape(text)
+    for typed, sign in SIGNS.items():
+        html = html.replace(typed, sign)
+    first, *more = html.split("\n")
     return first + "".join(f"<br><small>{line}</small>" for line in more)
 
 

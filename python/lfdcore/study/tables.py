@@ -93,11 +93,11 @@ class Metric:
 
 
 DRIVING = (
-    Metric("angular_jerk", "angular jerk [rad/s3]", 2, "0.07+-0.03 ->\n0.03+-0.02"),
-    Metric("time", "time taken [s]", 0, "166+-25 ->\n146+-16"),
-    Metric("mean_free_speed", "mean free speed [m/s]", 2, "0.59+-0.07 ->\n0.67+-0.07"),
-    Metric("distance", "distance travelled [m]", 0, "96+-1 ->\n97+-2"),
-    Metric("steering_entropy", "steering entropy,\nown baseline", 2, "0.57+-0.02 ->\n0.55+-0.03"),
+    Metric("angular_jerk", "angular jerk [rad/s3]", 2, "0.07+-0.03\n-> 0.03+-0.02"),
+    Metric("time", "time taken [s]", 0, "166+-25\n-> 146+-16"),
+    Metric("mean_free_speed", "mean free speed [m/s]", 2, "0.59+-0.07\n-> 0.67+-0.07"),
+    Metric("distance", "distance travelled [m]", 0, "96+-1\n-> 97+-2"),
+    Metric("steering_entropy", "steering entropy,\nown baseline", 2, "0.57+-0.02\n-> 0.55+-0.03"),
     Metric("steering_entropy_fixed", "steering entropy,\nfixed baseline", 2),
     Metric("reversals", "reversals", 1),
     Metric("stuck", "share of time stuck", 3),

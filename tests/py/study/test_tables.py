@@ -107,7 +107,7 @@ def test_a_metric_shows_mean_sd_interval_and_the_paired_p_beside_the_thesis() ->
     assert cell(driving, "time taken", "assisted") == expected
     p = stats.wilcoxon(times - (100.0 + np.arange(5))).pvalue
     assert next(r for r in driving.rows if r[0].startswith("time"))[5] == f"{p:.3f}"
-    assert cell(driving, "time taken", "thesis") == "166+-25 ->\n146+-16"
+    assert cell(driving, "time taken", "thesis") == "166+-25\n-> 146+-16"
 
 
 def test_missing_values_are_left_out_and_the_n_says_so() -> None:
