@@ -100,7 +100,7 @@ def study_driving(
         str, typer.Option(help="Comma-separated names of courses or map .yaml files.")
     ] = "standard_course",
     arms: Annotated[
-        str, typer.Option("--assistants", help="Of none, dwa, primitives, supervisor, thesis.")
+        str, typer.Option("--assistants", help="Of none, dwa, primitives, dwa_1s, supervisor, thesis.")
     ] = "none,dwa,primitives",
     drivers: Annotated[int, typer.Option(min=1, help="Simulated impaired drivers.")] = 10,
     starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,

@@ -8,6 +8,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
+from lfdcore.control import DynamicWindowConfig
 from lfdcore.study.courses import Course
 from lfdcore.study.drivers import Driver, ImpairedConfig, ImpairedDriver, population
 from lfdcore.study.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
@@ -26,8 +27,9 @@ from lfdcore.wheelchair.observation import ChairGeometry
 
 ARMS = ("none", "dwa", "primitives")
 """Assistants of the study, the unassisted arm first."""
-FOOTNOTE_ARMS = ("thesis", "supervisor")
-"""On request: the printed loop, and the bare supervisor on the driver's own input."""
+FOOTNOTE_ARMS = ("dwa_1s", "thesis", "supervisor")
+"""On request: DWA that looks no farther than its goal, the printed loop, and the bare supervisor on the driver's own
+input."""
 
 
 @lru_cache(maxsize=4)
@@ -42,6 +44,8 @@ def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
         return Unassisted(chair)
     if arm == "dwa":
         return DynamicWindowAssistant(chair)
+    if arm == "dwa_1s":
+        return DynamicWindowAssistant(chair, DynamicWindowConfig(horizon=1.0), name=arm)
     if arm == "supervisor":
         return Supervised(chair)
     if arm == "primitives":

@@ -73,7 +73,9 @@ class Supervised:
         self._surroundings.clear()
 
     def update(self, observation: Observation) -> Assistance:
-        """The admissible twist nearest to the joystick's."""
+        """The admissible twist nearest to the joystick's; a stale scan: stop."""
+        if observation.stale:
+            return Assistance(STOP, "stale")
         obstacles = self._surroundings.see(observation)
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
         allowed = self._supervisor.filter(wanted, observation.twist, obstacles)
@@ -86,14 +88,24 @@ class Surroundings:
     def __init__(self, chair: ChairGeometry, duration: float) -> None:
         self._chair = chair
         self._map = RollingMap(duration)
+        self._now = self._newest_scan = -np.inf
 
     def clear(self) -> None:
         """Forgets all scans."""
         self._map.clear()
+        self._now = self._newest_scan = -np.inf
 
     def see(self, observation: Observation) -> ObstaclePoints:
-        """Takes in a scan; -> obstacle points in base_link."""
-        self._map.insert(observation.stamp, observation.scan, self._chair.T_base_laser, observation.pose)
+        """Takes in a scan from where it was taken, unless it has it already; -> obstacle points in base_link, now.
+
+        ValueError for a stamp, of the tick or of the scan, before the last one: reset() starts a new drive.
+        """
+        if observation.stamp < self._now:
+            raise ValueError(f"stamp goes back from {self._now} s to {observation.stamp} s without a reset")
+        if observation.scan_stamp != self._newest_scan:
+            taken_at = observation.scan_pose or observation.pose
+            self._map.insert(observation.scan_stamp, observation.scan, self._chair.T_base_laser, taken_at)
+        self._now, self._newest_scan = observation.stamp, observation.scan_stamp
         return self._map.obstacles(observation.pose)
 
     def grid(self, observation: Observation) -> OccupancyGrid:
@@ -104,15 +116,15 @@ class Surroundings:
 class DynamicWindowAssistant:
     """DWA towards the user's input projected ahead (Sec. 3.5, Alg. 8): the reactive baseline."""
 
-    name = "dwa"
-
     def __init__(
         self,
         chair: ChairGeometry | None = None,
         config: DynamicWindowConfig | None = None,
         projection: float = 1.0,
         map_duration: float = 120.0,
+        name: str = "dwa",
     ) -> None:
+        self.name = name
         self.chair = chair or ChairGeometry()
         self.config = config or DynamicWindowConfig()
         self.projection = projection  # [s]: "forward projecting the user's input by one second" (Sec. 3.5)
@@ -123,7 +135,9 @@ class DynamicWindowAssistant:
         self._surroundings.clear()
 
     def update(self, observation: Observation) -> Assistance:
-        """The twist whose end point comes nearest to the projected input."""
+        """The twist whose end point comes nearest to the projected input; a stale scan: stop."""
+        if observation.stale:
+            return Assistance(STOP, "stale")
         obstacles = self._surroundings.see(observation)
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
         goal = integrate(Pose2(), wanted, self.projection)
@@ -163,8 +177,6 @@ class DriveAssistantConfig:
     """A joystick displaced less than this is at rest: stop."""
     reverse_from: float = np.radians(100)
     """Inputs at least this far [rad] from straight ahead are the user's own business (reversing), supervised."""
-    stale_after: float = 0.5
-    """A scan older than this [s]: stop."""
     no_path_share: float = 0.6
     """Without a path: the user's own input times this, supervised; printed: stop."""
     slow_within: float = 1.0
@@ -281,21 +293,18 @@ class DriveAssistant:
         """Forgets all scans and the path."""
         self._surroundings.clear()
         self._smoother.restart(STOP)
-        self._held_turn = _HeldTurn()
-        self._track = None
+        self._let_go()
 
     def update(self, observation: Observation) -> Assistance:
         """Joystick at rest or a stale scan: stop. Reversing: the user's own. Else: along a path to the intention."""
-        if observation.stamp - observation.scan_stamp > self.config.stale_after:
-            self._track = None
-            return Assistance(STOP, "stale")
+        if observation.stale:
+            return self._stop(observation, "stale")
         obstacles = self._surroundings.see(observation)
         forward, left = observation.joystick
         if np.hypot(forward, left) < self.config.dead_zone:
-            self._track = None
-            return Assistance(STOP, "rest")
+            return self._stop(observation, "rest")
         if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
-            self._track = None
+            self._let_go()
             return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
         if self._held_turn.update(observation) >= self.config.own_turn_after:
             self._track = None
@@ -306,12 +315,21 @@ class DriveAssistant:
             return self._supervised(Assistance(own, "no_path"), observation, obstacles)
         return self._supervised(self._follow(self._track, observation, obstacles, planned), observation, obstacles)
 
+    def _let_go(self) -> None:
+        self._track = None
+        self._held_turn = _HeldTurn()
+
+    def _stop(self, observation: Observation, mode: str) -> Assistance:
+        self._let_go()
+        self._smoother.restart(observation.twist)  # what the chair still does is where a path would go on from
+        return Assistance(STOP, mode)
+
     def _own(self, observation: Observation, share: float) -> Twist2:
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
         return Twist2(wanted.linear * share, wanted.angular * share)
 
     def _replan(self, observation: Observation, obstacles: ObstaclePoints) -> bool:
-        """Keeps a path that is fresh, compliant and not at its end; else asks for a new one. True if there is one."""
+        """Keeps a path that is fresh, compliant and longer than a look-ahead; else asks for one. True if there is."""
         if self._track is not None and not self._due(self._track, observation):
             return False
         planned = self.planner.plan(observation, self._surroundings.grid(observation), obstacles)
@@ -332,7 +350,7 @@ class DriveAssistant:
 
     def _compliance(self, track: _Track, observation: Observation) -> float:
         """Of the point a whole look-ahead on, also where the pursuit itself looks less far (Sec. 3.4.3)."""
-        ahead = self._pursue(track, observation, self.config.planner.look_ahead)
+        ahead = self._pursue(track, observation, self.planner.look_ahead)
         return self.model.compliance.compliance(ahead.control_point, np.array(observation.joystick))
 
     def _pursue(self, track: _Track, observation: Observation, look_ahead: float) -> PurePursuitResult:

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
 
 
+STALE_AFTER = 0.5
+"""A scan older than this [s] says nothing of what is around now: every assistant that needs one stops."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ChairGeometry:
     """The chair as an assistant knows it."""
@@ -33,20 +37,34 @@ class Observation:
     """Now [s]."""
     scan: LaserScan
     scan_stamp: float
-    """When the scan was taken [s]; an assistant stops on a stale one."""
+    """When the scan was taken [s], not later than `stamp`."""
     pose: Pose2
     """T_odom_base by odometry."""
     twist: Twist2
     """By odometry [m/s, rad/s]."""
     joystick: tuple[float, float]
     """(forward, left), each in [-1, 1]."""
+    scan_pose: Pose2 | None = None
+    """T_odom_base by odometry when the scan was taken; None: as now."""
+
+    @property
+    def stale(self) -> bool:
+        """Whether the scan is too old to drive by."""
+        return self.stamp - self.scan_stamp > STALE_AFTER
+
+    def scan_mounting(self, T_base_laser: Pose2) -> Pose2:
+        """Where the scan was taken, in base_link as it stands now."""
+        return T_base_laser if self.scan_pose is None else self.pose.inverse() * self.scan_pose * T_base_laser
 
     def __post_init__(self) -> None:
-        numbers = (self.stamp, self.scan_stamp, *self.pose, *self.twist, *self.joystick)
+        scan_pose = self.scan_pose or self.pose
+        numbers = (self.stamp, self.scan_stamp, *self.pose, *self.twist, *self.joystick, *scan_pose)
         if not np.isfinite(numbers).all():
             raise ValueError(f"an observation must be finite, has {numbers}")
         if max(map(abs, self.joystick)) > 1 + 1e-6:
             raise ValueError(f"joystick is {self.joystick}, must lie in [-1, 1] on both axes")
+        if self.scan_stamp > self.stamp:
+            raise ValueError(f"scan_stamp is {self.scan_stamp} s, must not be later than stamp, {self.stamp} s")
 
 
 @dataclass(frozen=True)

@@ -50,8 +50,6 @@ class PlannerConfig:
     """Paths shorter than this [m] lead nowhere and are refused."""
     goals_comply: bool = True
     """Weigh each goal by the compliance of its primitive, so that a path is not let go at once; printed: no."""
-    look_ahead: float = 0.8
-    """Of pure pursuit [m] (Sec. 3.4.2)."""
     tight_look_ahead: float = 0.3
     """Of pure pursuit [m] on a path of hybrid A*."""
     rollout: FootprintRolloutConfig = field(default_factory=FootprintRolloutConfig)
@@ -106,6 +104,8 @@ class PathPlanner:
         self.model = model
         self.config = config
         self.chair = chair
+        self.look_ahead = model.compliance.config.look_ahead
+        """Of pure pursuit [m], the one that compliance was learned for (Sec. 3.4.2-3.4.3)."""
         self._goal_cells, self._control_points = self._control_points_of_goals()
         self._dpp = DppSolver(config.dpp)
         self._hybrid_astar = HybridAstar(chair.footprint, config=config.hybrid_astar)
@@ -116,7 +116,7 @@ class PathPlanner:
         far = np.nonzero(np.linalg.norm(centres, axis=2) >= self.config.shortest)
         paths = self.model.primitives.scaled_to_all(centres[far])
         travelled = np.cumsum(np.linalg.norm(np.diff(paths, axis=1), axis=2), axis=1)
-        reached = np.minimum((travelled < self.config.look_ahead).sum(axis=1), paths.shape[1] - 1)
+        reached = np.minimum((travelled < self.look_ahead).sum(axis=1), paths.shape[1] - 1)
         return far, paths[np.arange(len(paths)), reached]
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
@@ -125,7 +125,8 @@ class PathPlanner:
         `grid` and `obstacles` are the rolling map's, in base_link.
         """
         joystick = np.array(observation.joystick)
-        intention = self.model.intention.predict(joystick, observation.scan, self.chair.T_base_laser, grid.data == 0)
+        laser = observation.scan_mounting(self.chair.T_base_laser)
+        intention = self.model.intention.predict(joystick, observation.scan, laser, grid.data == 0)
         if self.config.goals_comply:
             intention = self._complying(intention, joystick)
         found = self.model.intention.goal(intention)
@@ -186,11 +187,11 @@ class PathPlanner:
         """The path if the chair's body can follow it, else hybrid A*'s to the same end, else None."""
         config = self.config
         if not config.check_footprint:
-            return _Drivable(path, "dpp", config.look_ahead, None)
+            return _Drivable(path, "dpp", self.look_ahead, None)
         body = self.chair.footprint.grown(config.footprint_margin)
         rollout = rollout_pursuit(path, obstacles, body, self.chair.limits, twist, config=config.rollout)
         if np.isinf(rollout.time_to_contact):
-            return _Drivable(path, "dpp", config.look_ahead, rollout)
+            return _Drivable(path, "dpp", self.look_ahead, rollout)
         end = self._last_free(path, obstacles, body)
         if end is None:
             return None

@@ -20,10 +20,11 @@ from lfdcore.wheelchair.assistants import (
     DriveAssistantConfig,
     DynamicWindowAssistant,
     Supervised,
+    Surroundings,
     Unassisted,
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
-from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.path_planner import PlannerConfig
 
 LIMITS = MotionLimits()
@@ -102,6 +103,43 @@ def test_a_stale_scan_stops_the_chair_and_a_fresh_one_lets_it_go_on(assistant: D
     stale = assistant.update(observe((0.8, 0.0), stamp=2.6, scan_stamp=1.9, twist=Twist2(0.8, 0.0)))
     assert (tuple(stale.command), stale.mode, stale.path) == (STOP, "stale", None)
     assert assistant.update(observe((0.8, 0.0), stamp=2.7)).mode == "path"
+
+
+@pytest.mark.parametrize("made", [DynamicWindowAssistant, Supervised])
+def test_every_assistant_that_needs_a_scan_stops_on_a_stale_one(made: Callable[[], Assistant]) -> None:
+    assistant = made()
+    drive(assistant, lambda _: (0.8, 0.0), 5)
+    stale = assistant.update(observe((0.8, 0.0), stamp=1.1, scan_stamp=0.5, twist=Twist2(0.8, 0.0)))
+    assert (tuple(stale.command), stale.mode) == (STOP, "stale")
+
+
+def test_a_scan_from_the_future_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"scan_stamp is 1.2 s, must not be later than stamp, 1.0 s"):
+        observe((0.5, 0.0), stamp=1.0, scan_stamp=1.2)
+
+
+def test_an_old_scan_is_placed_where_it_was_taken_and_only_once() -> None:
+    """The chair turns by 40 degrees after its scan: the post ahead is then to its right."""
+    post, then, now = np.array([[[3.0, -0.1], [3.0, 0.1]]]), Pose2(), Pose2(0.0, 0.0, np.radians(40))
+    scan = seen_from(then, post)
+    surroundings = Surroundings(ChairGeometry(), 10.0)
+    surroundings.see(Observation(0.0, scan, 0.0, then, Twist2(), (0.5, 0.0)))
+    for stamp in (0.2, 0.4):
+        seen = Observation(stamp, scan, 0.0, now, Twist2(), (0.5, 0.0), scan_pose=then)
+        points = surroundings.see(seen).points
+        bearing = np.degrees(np.arctan2(points[:, 1], points[:, 0]))
+        assert np.abs(bearing + 40).max() < 2.5
+        laser = seen.scan_mounting(T_BASE_LASER)
+        assert tuple(laser) == pytest.approx(tuple(now.inverse() * T_BASE_LASER))
+
+
+def test_after_a_rest_the_path_goes_on_from_what_the_chair_does(assistant: DriveAssistant) -> None:
+    """Not from the command before the rest: a chair that stands starts gently."""
+    drive(assistant, lambda _: (0.8, 0.0), 20)
+    for tick in range(20, 30):
+        assistant.update(observe((0.0, 0.0), stamp=tick / 10))
+    said = assistant.update(observe((0.8, 0.0), stamp=3.0))
+    assert said.mode == "path" and said.command.linear < 0.2
 
 
 @pytest.mark.parametrize("stick", [(-0.6, 0.0), (-0.5, 0.3), (-0.2, -0.6)])
@@ -324,6 +362,15 @@ def test_the_turn_is_given_back_as_soon_as_the_stick_goes_elsewhere(assistant: D
     done = drive(assistant, lambda tick: (0.25, 0.75) if tick < 120 else (0.8, 0.0), 125, walls=OPEN)
     assert done[119][1].mode == "own_turn"
     assert done[120][1].mode != "own_turn"
+
+
+@pytest.mark.parametrize("between", [(0.0, 0.0), (-0.6, 0.0)], ids=["rest", "reverse"])
+def test_a_turn_after_a_rest_or_reversing_is_a_new_one(
+    assistant: DriveAssistant, between: tuple[float, float]
+) -> None:
+    done = drive(assistant, lambda tick: between if 120 <= tick < 125 else (0.25, 0.75), 130, walls=OPEN)
+    assert done[119][1].mode == "own_turn"
+    assert all(said.mode != "own_turn" for _, said in done[120:])
 
 
 def test_a_path_that_leads_against_the_stick_is_not_followed(model: DriveAssistantModel) -> None:
