@@ -24,7 +24,7 @@ from lfdcore.study.courses import office
 from lfdcore.study.demonstrations import learn_from_demonstrations
 from lfdcore.study.drivers import ImpairedDriver, population
 from lfdcore.study.runner import RunConfig, run_drive
-from lfdcore.wheelchair import assistants, path_planner
+from lfdcore.wheelchair import assistants, drivable_path, primitives_planner
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Observation, observations
@@ -64,14 +64,12 @@ class Timed:
 
 
 MODULES = {
-    path_planner: {
-        "inflate": "inflate",
+    drivable_path: {"inflate": "inflate", "smooth": "greedy path", "rollout_pursuit": "roll-out"},
+    primitives_planner: {
         "path_cells": "reward",
         "path_reward": "reward",
         "GridMdp": "DPP: MDP",
         "greedy_path": "greedy path",
-        "smooth": "greedy path",
-        "rollout_pursuit": "roll-out",
     },
     assistants: {"pure_pursuit": "pursuit", "time_to_contact": "time to contact"},
 }
@@ -86,8 +84,8 @@ def instrument(assistant: Any, watch: Stopwatch) -> Callable[[], None]:
     assistant._supervisor = Timed(watch, assistant._supervisor, {"filter": "supervisor"})
     planner, model = assistant.planner, assistant.model
     planner._dpp = Timed(watch, planner._dpp, {"solve": "DPP: sweeps"})
-    planner._hybrid_astar = Timed(watch, planner._hybrid_astar, {"solve": "hybrid A*"})
-    planner._last_free = watch.around("last free end", planner._last_free)
+    planner._finder._hybrid_astar = Timed(watch, planner._finder._hybrid_astar, {"solve": "hybrid A*"})
+    planner._finder._last_free = watch.around("last free end", planner._finder._last_free)
     model.intention.predict = watch.around("intention", model.intention.predict)
     model.compliance.compliances = watch.around("compliance", model.compliance.compliances)
     kept = [(module, name, getattr(module, name)) for module, stages in MODULES.items() for name in stages]

@@ -12,7 +12,7 @@ from lfdcore.wheelchair.assistants import DriveAssistantConfig, Surroundings
 from lfdcore.wheelchair.local_paths import LocalPaths
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
-from lfdcore.wheelchair.path_planner import PathPlanner, PlannedPath
+from lfdcore.wheelchair.primitives_planner import PrimitivePath, PrimitivesPlanner
 
 CANDIDATES = 24
 """Most moments of a log that are planned for."""
@@ -27,7 +27,7 @@ class Moment:
     grid: OccupancyGrid
     obstacles: ObstaclePoints
     chair: ChairGeometry
-    planned: PlannedPath
+    planned: PrimitivePath
 
     @property
     def worth(self) -> float:
@@ -39,14 +39,14 @@ class Moment:
 def telling_moments(
     model: DriveAssistantModel, log: DriveLog, paths: LocalPaths, config: DriveAssistantConfig | None = None
 ) -> dict[str, Moment]:
-    """For each source of a path ('dpp', 'hybrid_astar') the moment that is worth most (Moment.worth).
+    """For each source of a path ('grid', 'hybrid_astar') the moment that is worth most (Moment.worth).
 
     Only scans from which the demonstrator then turned by 35-115 degrees are looked at, at most CANDIDATES of them,
     evenly spread. Empty if none of them gives a path.
     """
     config = config or DriveAssistantConfig()
     chair = ChairGeometry(T_base_laser=log.T_base_laser)
-    planner, around = PathPlanner(model, config.planner, chair), Surroundings(chair, config.map_duration)
+    planner, around = PrimitivesPlanner(model, config.primitives, chair), Surroundings(chair, config.map_duration)
     best: dict[str, Moment] = {}
     wanted = _candidates(paths)
     for now in observations(log):

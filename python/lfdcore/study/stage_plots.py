@@ -27,9 +27,9 @@ from lfdcore.study.report import Picture
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
 from lfdcore.wheelchair.compliance import ComplianceModel
+from lfdcore.wheelchair.drivable_path import START
 from lfdcore.wheelchair.local_paths import REASONS, LocalPaths, beam_geometry, extract_local_paths
 from lfdcore.wheelchair.model_file import DriveAssistantModel
-from lfdcore.wheelchair.path_planner import START
 from lfdcore.wheelchair.path_primitives import PathPrimitives, orientation_bin
 
 Array = NDArray[np.float64]
@@ -264,9 +264,9 @@ def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
 
 def _landscape(moment: Moment, config: DriveAssistantConfig) -> tuple[NDArray[np.floating], NDArray[np.bool_], Array]:
     """Values (100, 100) after DPP, the cells it may not enter, and its greedy path (N, 2) [m]."""
-    reward, reach = moment.planned.reward, config.planner.reward
-    blocked = _blocked(reward, reach) if config.planner.dpp.blocked else np.zeros(reward.shape, dtype=bool)
-    result = DppSolver(config.planner.dpp).solve(GridMdp(reward, blocked))
+    reward, reach = moment.planned.reward, config.primitives.reward
+    blocked = _blocked(reward, reach) if config.primitives.dpp.blocked else np.zeros(reward.shape, dtype=bool)
+    result = DppSolver(config.primitives.dpp).solve(GridMdp(reward, blocked))
     iy, ix = np.unravel_index(int(np.argmax(reward)), reward.shape)
     drawn: GreedyPath = greedy_path(result, START, (int(ix), int(iy)))
     centres = np.array(moment.grid.origin) + (drawn.cells + 0.5) * moment.grid.resolution
@@ -394,7 +394,7 @@ def stage_figures(
         )
     ]
     moments = telling_moments(model, log, paths, config)
-    first = moments.get("dpp") or next(iter(moments.values()), None)
+    first = moments.get("grid") or next(iter(moments.values()), None)
     if first is not None:
         at = f"{source} Scan at {first.observation.stamp:.1f} s."
         pictures.append(

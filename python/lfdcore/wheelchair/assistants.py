@@ -25,7 +25,8 @@ from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.path_planner import PathPlanner, PlannedPath, PlannerConfig
+from lfdcore.wheelchair.planner import PlannedPath, Planner
+from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
 
 STOP = Twist2(0.0, 0.0)
 
@@ -158,7 +159,7 @@ class DynamicWindowAssistant:
 class DriveAssistantConfig:
     """How the learned assistant drives. The printed values are those of `thesis()`."""
 
-    planner: PlannerConfig = field(default_factory=PlannerConfig)
+    primitives: PrimitivesPlannerConfig = field(default_factory=PrimitivesPlannerConfig)
     compliance_threshold: float = 0.9
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
@@ -193,7 +194,7 @@ class DriveAssistantConfig:
     def thesis() -> DriveAssistantConfig:
         """The printed loop, which drives into things (docs/decisions.md)."""
         return DriveAssistantConfig(
-            planner=PlannerConfig.thesis(),
+            primitives=PrimitivesPlannerConfig.thesis(),
             replan_after=float("inf"),
             refuse_below=0.0,
             replan_pause=0.0,
@@ -278,7 +279,7 @@ class DriveAssistant:
         self.model = model
         self.chair = chair or ChairGeometry()
         self.config = config or DriveAssistantConfig()
-        self.planner = PathPlanner(model, self.config.planner, self.chair)
+        self.planner: Planner = PrimitivesPlanner(model, self.config.primitives, self.chair)
         self._surroundings = Surroundings(self.chair, self.config.map_duration)
         self._supervisor = (
             None
@@ -351,7 +352,7 @@ class DriveAssistant:
     def _compliance(self, track: _Track, observation: Observation) -> float:
         """Of the point a whole look-ahead on, also where the pursuit itself looks less far (Sec. 3.4.3)."""
         ahead = self._pursue(track, observation, self.planner.look_ahead)
-        return self.model.compliance.compliance(ahead.control_point, np.array(observation.joystick))
+        return self.planner.compliance(ahead.control_point, observation.joystick)
 
     def _pursue(self, track: _Track, observation: Observation, look_ahead: float) -> PurePursuitResult:
         """|v| <= vmax |stick| and |w| <= wmax |stick| (Sec. 3.4.2)."""

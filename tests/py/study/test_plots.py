@@ -175,7 +175,7 @@ def test_moments_are_the_same_for_the_same_log(model: DriveAssistantModel, log: 
 def test_the_drawn_dpp_path_is_the_planned_one_where_the_planner_kept_it(
     model: DriveAssistantModel, log: DriveLog
 ) -> None:
-    moment = telling_moments(model, log, extract_local_paths(log))["dpp"]
+    moment = telling_moments(model, log, extract_local_paths(log))["grid"]
     red = next(line for line in planning_figure(moment).axes[1].lines if line.get_color() == "#e6194b")
     drawn = np.stack([red.get_ydata(), red.get_xdata()], axis=1)
     gap = np.hypot(*(drawn[:, None] - moment.planned.path[None]).transpose(2, 0, 1)).min(axis=1)

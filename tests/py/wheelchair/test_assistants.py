@@ -25,7 +25,7 @@ from lfdcore.wheelchair.assistants import (
 )
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.path_planner import PlannerConfig
+from lfdcore.wheelchair.primitives_planner import PrimitivesPlannerConfig
 
 LIMITS = MotionLimits()
 STOP = (0.0, 0.0)
@@ -304,8 +304,8 @@ def test_a_steady_compliant_stick_keeps_its_path_for_a_while(assistant: DriveAss
 
 
 def test_memory_does_not_grow_over_two_thousand_updates(model: DriveAssistantModel) -> None:
-    few_sweeps = PlannerConfig(dpp=DppConfig(sweeps=20))  # as much memory, less time
-    assistant = DriveAssistant(model, config=DriveAssistantConfig(planner=few_sweeps))
+    few_sweeps = PrimitivesPlannerConfig(dpp=DppConfig(sweeps=20))  # as much memory, less time
+    assistant = DriveAssistant(model, config=DriveAssistantConfig(primitives=few_sweeps))
     lived = [seen for seen, _ in drive(assistant, wandering, 200)]
     assistant.reset()
     for lap in range(12):
@@ -365,9 +365,7 @@ def test_the_turn_is_given_back_as_soon_as_the_stick_goes_elsewhere(assistant: D
 
 
 @pytest.mark.parametrize("between", [(0.0, 0.0), (-0.6, 0.0)], ids=["rest", "reverse"])
-def test_a_turn_after_a_rest_or_reversing_is_a_new_one(
-    assistant: DriveAssistant, between: tuple[float, float]
-) -> None:
+def test_a_turn_after_a_rest_or_reversing_is_a_new_one(assistant: DriveAssistant, between: tuple[float, float]) -> None:
     done = drive(assistant, lambda tick: between if 120 <= tick < 125 else (0.25, 0.75), 130, walls=OPEN)
     assert done[119][1].mode == "own_turn"
     assert all(said.mode != "own_turn" for _, said in done[120:])

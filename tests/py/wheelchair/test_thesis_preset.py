@@ -26,8 +26,8 @@ from lfdcore.study.runner import run_drive
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
-from lfdcore.wheelchair.path_planner import PathPlanner, PlannerConfig
 from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
+from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
 
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {
@@ -205,9 +205,9 @@ def window(boxes: list[tuple[float, float, float, float]]) -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, (-2.5, -2.5))
 
 
-def planned_paths(config: PlannerConfig, model: DriveAssistantModel) -> Iterator[bytes]:
+def planned_paths(config: PrimitivesPlannerConfig, model: DriveAssistantModel) -> Iterator[bytes]:
     """Paths among obstacles that the present scan does not show."""
-    planner = PathPlanner(model, config, ChairGeometry())
+    planner = PrimitivesPlanner(model, config, ChairGeometry())
     scan = LaserScan(np.full(181, np.inf, np.float32), -np.pi / 2, np.pi / 180, 0.0, 30.0)
     for boxes, stick in WINDOWS:
         grid = window(boxes)
@@ -219,7 +219,7 @@ def planned_paths(config: PlannerConfig, model: DriveAssistantModel) -> Iterator
 
 def assistant_outcome(config: DriveAssistantConfig, model: DriveAssistantModel) -> Iterator[Any]:
     """Paths in hand-made windows, commands along drives through scenes."""
-    yield from planned_paths(config.planner, model)
+    yield from planned_paths(config.primitives, model)
     for scene in SCENES:
         yield from scene.commands(DriveAssistant(model, config=config))
 

@@ -1,0 +1,49 @@
+"""What every planner gives an assistant: a path for the driver's input, and whether an input complies with a path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.control import FootprintRollout
+from lfdcore.grid import ObstaclePoints, OccupancyGrid
+from lfdcore.wheelchair.observation import Observation
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedPath:
+    """A path with what led to it; frame base_link at the time of planning."""
+
+    path: NDArray[np.float64]
+    """(N, 2) [m]"""
+    source: str
+    """'grid' (DPP or Q-learning) or 'hybrid_astar'"""
+    look_ahead: float
+    """For pure pursuit [m]."""
+    rollout: FootprintRollout | None
+    """None if the footprint is not checked."""
+    goal: tuple[float, float]
+    """g* [m]"""
+    likelihood: float
+    """Of the goal's cell."""
+    reward: NDArray[np.float32]
+    """(100, 100) that the path was planned over."""
+
+
+class Planner(Protocol):
+    """From an observation to a path that the chair's body can follow."""
+
+    look_ahead: float
+    """Of pure pursuit [m], the one that compliance is defined for (Sec. 3.4.2-3.4.3)."""
+
+    def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
+        """A path for the driver's input; None if nothing is intended or nothing leads there without contact.
+
+        `grid` and `obstacles` are the rolling map's, in base_link.
+        """
+
+    def compliance(self, control_point: NDArray[np.float64], joystick: tuple[float, float]) -> float:
+        """Of the joystick with going to a control point (2,) [m] in base_link, in [0, 1]."""
