@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 #include "gaussian_kernel.hpp"
@@ -94,33 +95,42 @@ RbfNetworkBank RbfNetworkBank::fit(const RowMatrix& inputs, std::span<const std:
 
 void RbfNetworkBank::predict(std::span<const double> shared, std::span<const double> own,
                              std::span<double> estimates) const {
-  const auto dimensions = static_cast<std::size_t>(columns_.rows());
-  require(shared.size() <= dimensions, std::to_string(shared.size()) + " shared inputs, the networks have " +
-                                           std::to_string(dimensions) + " in all");
-  const std::size_t owned = dimensions - shared.size();
-  require(own.size() == owned * size(), "own inputs must be (" + std::to_string(size()) + ", " + std::to_string(owned) +
-                                            "), got " + std::to_string(own.size()) + " values");
-  require(estimates.size() == size(), "the output must hold " + std::to_string(size()) + " estimates");
+  check_sizes(shared.size(), own.size(), estimates.size());
   for (const double value : shared) require_finite("a shared input", value, "");
   std::ranges::fill(estimates, 0.0);
-  std::array<double, block> values;
   const auto total = static_cast<std::size_t>(weights_.size());
-  for (std::size_t begin = 0; begin < total; begin += block) {
-    const std::size_t count = std::min(block, total - begin);
-    std::fill_n(values.begin(), count, 0.0);
-    for (std::size_t d = 0; d < shared.size(); ++d)
-      detail::add_squared_distance(values.data(), columns_.row(d).data() + begin, shared[d], count);
-    for (std::size_t d = 0; d < owned; ++d) {
-      const double* column = columns_.row(shared.size() + d).data() + begin;
-      for (std::size_t i = 0; i < count; ++i) {
-        const double off = column[i] - own[static_cast<std::size_t>(network_of_[begin + i]) * owned + d];
-        values[i] += off * off;
-      }
-    }
-    detail::weighted_exp(values.data(), weights_.data() + begin, 0.5 / (sigma_ * sigma_), count);
-    for (std::size_t i = 0; i < count; ++i) estimates[static_cast<std::size_t>(network_of_[begin + i])] += values[i];
-  }
+  for (std::size_t begin = 0; begin < total; begin += block)
+    add_activations(begin, std::min(block, total - begin), shared, own, estimates);
   for (double& y : estimates) y = y > 0 ? std::min(y, 1.0) : 0.0;  // NaN -> 0
+}
+
+void RbfNetworkBank::check_sizes(std::size_t shared, std::size_t own, std::size_t estimates) const {
+  const auto dimensions = static_cast<std::size_t>(columns_.rows());
+  const auto text = [](std::size_t number) { return std::to_string(number); };  // built only when it is needed
+  if (shared > dimensions)
+    throw std::invalid_argument(text(shared) + " shared inputs, the networks have " + text(dimensions) + " in all");
+  if (own != (dimensions - shared) * size())
+    throw std::invalid_argument("own inputs must be (" + text(size()) + ", " + text(dimensions - shared) + "), got " +
+                                text(own) + " values");
+  if (estimates != size()) throw std::invalid_argument("the output must hold " + text(size()) + " estimates");
+}
+
+void RbfNetworkBank::add_activations(std::size_t begin, std::size_t count, std::span<const double> shared,
+                                     std::span<const double> own, std::span<double> estimates) const {
+  const std::size_t owned = static_cast<std::size_t>(columns_.rows()) - shared.size();
+  std::array<double, block> values;
+  std::fill_n(values.begin(), count, 0.0);
+  for (std::size_t d = 0; d < shared.size(); ++d)
+    detail::add_squared_distance(values.data(), columns_.row(d).data() + begin, shared[d], count);
+  for (std::size_t d = 0; d < owned; ++d) {
+    const double* column = columns_.row(shared.size() + d).data() + begin;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double off = column[i] - own[static_cast<std::size_t>(network_of_[begin + i]) * owned + d];
+      values[i] += off * off;
+    }
+  }
+  detail::weighted_exp(values.data(), weights_.data() + begin, 0.5 / (sigma_ * sigma_), count);
+  for (std::size_t i = 0; i < count; ++i) estimates[static_cast<std::size_t>(network_of_[begin + i])] += values[i];
 }
 
 }  // namespace lfdcore

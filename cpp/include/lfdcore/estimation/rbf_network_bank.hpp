@@ -37,6 +37,9 @@ class RbfNetworkBank {
 
  private:
   void check() const;
+  void check_sizes(std::size_t shared, std::size_t own, std::size_t estimates) const;
+  void add_activations(std::size_t begin, std::size_t count, std::span<const double> shared,
+                       std::span<const double> own, std::span<double> estimates) const;
 
   Keys keys_;
   Keys offsets_ = {0};
