@@ -12,6 +12,9 @@ using std::expf;
 
 namespace lfdcore::detail {
 
+// 1e-35, nothing beside the peak of 1. Below, libmvec takes the scalar way, and subnormal numbers are slow.
+constexpr float lowest_exponent = -80;
+
 LFDCORE_CLONES void wrapped_squares(const float* orientations, float mean, float* squares, std::size_t count) {
   constexpr float full_turn = 6.283185307179586f;
   for (std::size_t i = 0; i < count; ++i) {
@@ -23,10 +26,16 @@ LFDCORE_CLONES void wrapped_squares(const float* orientations, float mean, float
   }
 }
 
-LFDCORE_CLONES void weigh_squares(float* weights, float offset, float scale, const float* filter, float* filtered,
-                                  std::size_t count) {
+// Two loops: in one, the compiler would move the bound behind expf.
+LFDCORE_CLONES void weigh_squares(float* __restrict weights, float offset, float scale, const float* __restrict filter,
+                                  float* __restrict filtered, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
-    weights[i] = expf((offset - weights[i]) * scale);
+    const float exponent = (offset - weights[i]) * scale;
+    weights[i] = exponent > lowest_exponent ? exponent : lowest_exponent;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const float weight = expf(weights[i]);
+    weights[i] = weights[i] > lowest_exponent ? weight : 0;
     filtered[i] = weights[i] * filter[i];
   }
 }

@@ -1,0 +1,19 @@
+"""
+lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation and .simulation.
+"""
+
+from __future__ import annotations
+from . import geometry
+from . import grid
+from . import simulation
+from . import planning
+from . import control
+from . import estimation
+
+__all__: list[str] = ["DataError", "ModelError", "control", "estimation", "geometry", "grid", "planning", "simulation"]
+
+class DataError(RuntimeError):
+    pass
+
+class ModelError(RuntimeError):
+    pass

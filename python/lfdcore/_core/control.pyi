@@ -1,0 +1,386 @@
+"""
+Pure pursuit, dynamic window, footprint roll-out and the supervisor.
+"""
+
+from __future__ import annotations
+import lfdcore._core.geometry
+import lfdcore._core.grid
+import numpy
+import numpy.typing
+import typing
+
+__all__: list[str] = [
+    "DynamicWindowConfig",
+    "DynamicWindowResult",
+    "FootprintRollout",
+    "FootprintRolloutConfig",
+    "PurePursuitResult",
+    "Supervisor",
+    "SupervisorConfig",
+    "SupervisorResult",
+    "pure_pursuit",
+    "rollout_pursuit",
+    "solve_dynamic_window",
+    "time_to_contact",
+]
+
+class PurePursuitResult:
+    """
+    The control point and the twist towards it.
+    """
+
+    @property
+    def arc_length(self) -> float:
+        """
+        of the control point along the path [m]
+        """
+
+    @property
+    def at_end(self) -> bool:
+        """
+        True if the control point is the path's end, within look_ahead.
+        """
+
+    @property
+    def control_point(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) g of Alg. 7 [m], in the robot's frame; a read-only view
+        """
+
+    @property
+    def twist(self) -> lfdcore._core.geometry.Twist2:
+        """
+        Twist2 [m/s, rad/s]
+        """
+
+class DynamicWindowConfig:
+    """
+    Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period [s] that sets the window.
+    """
+
+    def __init__(
+        self,
+        *,
+        linear_samples: int = 11,
+        angular_samples: int = 21,
+        horizon: float = 2.0,
+        step: float = 0.1,
+        period: float = 0.1,
+    ) -> None: ...
+    @property
+    def angular_samples(self) -> int: ...
+    @property
+    def horizon(self) -> float:
+        """
+        [s]
+        """
+
+    @property
+    def linear_samples(self) -> int: ...
+    @property
+    def period(self) -> float:
+        """
+        [s]
+        """
+
+    @property
+    def step(self) -> float:
+        """
+        [s]
+        """
+
+class DynamicWindowResult:
+    """
+    The chosen twist and where it leads.
+    """
+
+    @property
+    def cost(self) -> float:
+        """
+        distance [m] of end_point to the goal; inf if not feasible
+        """
+
+    @property
+    def end_point(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) where `twist` held over the horizon leads, base_link [m]; a read-only view
+        """
+
+    @property
+    def feasible(self) -> bool:
+        """
+        False: every candidate collides, `twist` brakes.
+        """
+
+    @property
+    def twist(self) -> lfdcore._core.geometry.Twist2:
+        """
+        Twist2 [m/s, rad/s]
+        """
+
+class FootprintRolloutConfig:
+    """
+    How a path's pursuit is rolled out.
+    """
+
+    def __init__(
+        self, *, look_ahead: float = 0.8, linear: float = 0.5, duration: float = 8.0, step: float = 0.1
+    ) -> None: ...
+    @property
+    def duration(self) -> float:
+        """
+        how far ahead in time [s]
+        """
+
+    @property
+    def linear(self) -> float:
+        """
+        speed wanted along the path [m/s]
+        """
+
+    @property
+    def look_ahead(self) -> float:
+        """
+        of the pursuit [m] (Sec. 3.4.3)
+        """
+
+    @property
+    def step(self) -> float:
+        """
+        between commands [s]
+        """
+
+class FootprintRollout:
+    """
+    What following a path would do; see rollout_pursuit.
+    """
+
+    @property
+    def min_clearance(self) -> float:
+        """
+        least distance [m] of the footprint at these poses from a point, 0 at a contact
+        """
+
+    @property
+    def poses(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, 3) x, y [m], yaw [rad] each step from the start on, in the start's base_link, a view
+        """
+
+    @property
+    def reached_end(self) -> bool:
+        """
+        the chair came to the path's end
+        """
+
+    @property
+    def time_to_contact(self) -> float:
+        """
+        [s], inf if there is none
+        """
+
+class SupervisorConfig:
+    """
+    How far ahead the supervisor looks and how near it lets the chair come.
+    """
+
+    def __init__(
+        self,
+        *,
+        period: float = 0.1,
+        reaction: float = 0.2,
+        margin: float = 0.04,
+        slow_margin: float = 0.03,
+        slow_linear: float = 0.2,
+        slow_angular: float = 0.4,
+        overlap: float = 0.02,
+        least_scale: float = 0.25,
+        linear_samples: int = 9,
+        angular_samples: int = 17,
+    ) -> None: ...
+    @property
+    def angular_samples(self) -> int:
+        """
+        turning rates tried, around the wanted one
+        """
+
+    @property
+    def least_scale(self) -> float:
+        """
+        share down to which a twist is slowed down first
+        """
+
+    @property
+    def linear_samples(self) -> int:
+        """
+        speeds tried, from the wanted one to 0
+        """
+
+    @property
+    def margin(self) -> float:
+        """
+        [m] to keep between footprint and points
+        """
+
+    @property
+    def overlap(self) -> float:
+        """
+        [m] points this deep inside the footprint are taken for noise
+        """
+
+    @property
+    def period(self) -> float:
+        """
+        [s] until the next command can take effect
+        """
+
+    @property
+    def reaction(self) -> float:
+        """
+        [s] until it surely has: period + latency
+        """
+
+    @property
+    def slow_angular(self) -> float:
+        """
+        [rad/s] ... and turning at most this fast
+        """
+
+    @property
+    def slow_linear(self) -> float:
+        """
+        [m/s] slow: command and chair at most this fast ...
+        """
+
+    @property
+    def slow_margin(self) -> float:
+        """
+        [m] the same while slow
+        """
+
+class SupervisorResult:
+    """
+    The command to send and what was done to the wanted one.
+    """
+
+    @property
+    def changed(self) -> bool:
+        """
+        it is not the wanted one
+        """
+
+    @property
+    def margin(self) -> float:
+        """
+        [m] that was required; less than configured if the chair is nearer already
+        """
+
+    @property
+    def scale(self) -> float:
+        """
+        its size as a share of the wanted one's (1 if that is 0)
+        """
+
+    @property
+    def stopped(self) -> bool:
+        """
+        it is 0 though the wanted one is not
+        """
+
+    @property
+    def twist(self) -> lfdcore._core.geometry.Twist2:
+        """
+        Twist2 to send [m/s, rad/s]
+        """
+
+class Supervisor:
+    """
+    Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one.
+
+    A command is admissible if the chair, from its current twist, follows it for `period`, and also for `reaction`, and then brakes to a standstill, without any point coming nearer to the footprint than the margin. Tried in turn: the wanted twist; its scaled copies down to least_scale; twists not faster ahead, by their distance hypot(dv / max_linear, dw / max_angular) to it, while nearer than 0; 0. Where points are nearer than the margin already, the present clearance is the margin, so that the chair can drive away from them.
+
+    Raises ValueError for invalid limits or config. Not for use from two threads at once.
+    """
+
+    def __init__(
+        self,
+        footprint: lfdcore._core.geometry.Footprint = ...,
+        limits: lfdcore._core.geometry.MotionLimits = ...,
+        config: SupervisorConfig = ...,
+    ) -> None: ...
+    def filter(
+        self,
+        wanted: lfdcore._core.geometry.Twist2,
+        current: lfdcore._core.geometry.Twist2,
+        obstacles: lfdcore._core.grid.ObstaclePoints,
+    ) -> SupervisorResult:
+        """
+        The command to send. `current`: the chair's twist when it takes effect; `obstacles` in base_link. Without points everything is admissible: a caller whose scan is stale must want 0.
+
+        Raises ValueError for a non-finite twist or a current one beyond 10 times the limits.
+        """
+
+    @property
+    def config(self) -> SupervisorConfig: ...
+    @property
+    def footprint(self) -> lfdcore._core.geometry.Footprint: ...
+    @property
+    def limits(self) -> lfdcore._core.geometry.MotionLimits: ...
+
+def pure_pursuit(
+    path: numpy.typing.ArrayLike,
+    look_ahead: float,
+    linear: float,
+    max_angular: float = 1.0,
+    *,
+    pose: lfdcore._core.geometry.Pose2 = ...,
+) -> PurePursuitResult:
+    """
+    Pure Pursuit (App. E.1, Alg. 7) of a path (N, 2) [m] by a robot at `pose` in the path's frame (default: the path is in base_link).
+
+    Control point: where the path, after its point closest to the robot, first leaves the circle of radius look_ahead [m]; its end if it does not leave it; its closest point if it lies wholly outside. Twist: `linear` [m/s] >= 0 along the arc through it, both reduced together where it would turn faster than max_angular [rad/s]; a control point behind is turned to in place.
+
+    Raises ValueError for an empty or non-finite path, look_ahead or max_angular that are not positive, or a negative or non-finite linear.
+    """
+
+def rollout_pursuit(
+    path: numpy.typing.ArrayLike,
+    obstacles: lfdcore._core.grid.ObstaclePoints,
+    footprint: lfdcore._core.geometry.Footprint,
+    limits: lfdcore._core.geometry.MotionLimits = ...,
+    twist: lfdcore._core.geometry.Twist2 = ...,
+    *,
+    config: FootprintRolloutConfig = ...,
+) -> FootprintRollout:
+    """
+    Follow a path (N, 2) [m] in base_link from its origin by pure pursuit (App. E.1), the speeds changing as
+    `limits` allow from `twist` on, braking so as to stop at the path's end. Ends at a contact (the last pose is
+    the one before it), at the path's end or after config.duration. The contact test is conservative between
+    steps: never later than the true contact, and a gap below 5 mm may count. Obstacles are in base_link too;
+    for a safety margin pass footprint.grown(margin). ValueError for a path that is empty or not finite.
+    """
+
+def solve_dynamic_window(
+    current: lfdcore._core.geometry.Twist2,
+    goal: numpy.typing.ArrayLike,
+    obstacles: lfdcore._core.grid.ObstaclePoints,
+    footprint: lfdcore._core.geometry.Footprint = ...,
+    limits: lfdcore._core.geometry.MotionLimits = ...,
+    config: DynamicWindowConfig = ...,
+) -> DynamicWindowResult:
+    """
+    Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from `current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the footprint touching `obstacles` at any step; all in base_link. If all collide it brakes at the limit (feasible = False).
+
+    Raises ValueError for a non-finite twist or goal.
+    """
+
+def time_to_contact(
+    twist: lfdcore._core.geometry.Twist2,
+    obstacles: lfdcore._core.grid.ObstaclePoints,
+    footprint: lfdcore._core.geometry.Footprint,
+    horizon: float,
+) -> float:
+    """
+    Time [s] until a body that keeps `twist` from base_link's origin touches a point, inf if not within `horizon`
+    [s]; never later than the true contact. ValueError beyond 10 m/s, 10 rad/s or 600 s.
+    """
