@@ -125,7 +125,9 @@ def run_drive(
     progress = _Progress(config, course.length)
     log = None
     if log_path is not None:
-        log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser)
+        # odometry begins at (0, 0, 0) in the course's start: heatmap_targets relates runs of one place by this
+        about = {"place": course.name, "T_place_odom": " ".join(repr(float(value)) for value in course.start)}
+        log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
     collision, odometry_twist = False, Twist2()
     outcome = None
     tick = 0

@@ -1,0 +1,1 @@
+"""Training that needs torch (extra `train`); what it makes runs without."""
