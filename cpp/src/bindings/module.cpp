@@ -12,7 +12,7 @@ PYBIND11_MODULE(_core, m) {
   auto planning =
       m.def_submodule("planning", "Grid MDPs, dynamic policy programming, Q-learning, user heatmaps, hybrid A*.");
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
-  auto estimation = m.def_submodule("estimation", "One-class radial basis function networks.");
+  auto estimation = m.def_submodule("estimation", "Radial basis function networks, Gaussian processes, differential evolution.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -25,4 +25,5 @@ PYBIND11_MODULE(_core, m) {
   bind_footprint_rollout(control);
   bind_supervisor(control);
   bind_rbf_network(estimation);
+  bind_gaussian_process(estimation);
 }

@@ -1,13 +1,26 @@
 """
-One-class radial basis function networks.
+Radial basis function networks, Gaussian processes, differential evolution.
 """
 
 from __future__ import annotations
+import collections.abc
 import numpy
 import numpy.typing
 import typing
 
-__all__: list[str] = ["RbfNetwork", "RbfNetworkBank", "RbfNetworkConfig", "fit_rbf_network"]
+__all__: list[str] = [
+    "DifferentialEvolutionConfig",
+    "DifferentialEvolutionResult",
+    "GaussianMoments",
+    "GaussianProcess",
+    "GaussianProcessLikelihood",
+    "Kernel",
+    "RbfNetwork",
+    "RbfNetworkBank",
+    "RbfNetworkConfig",
+    "differential_evolution",
+    "fit_rbf_network",
+]
 
 class RbfNetworkConfig:
     """
@@ -109,6 +122,201 @@ class RbfNetworkBank:
         """
         (M,), a view
         """
+
+class Kernel:
+    """
+    A stationary covariance function with a length-scale for every input dimension, over r^2 = sum ((x_d - x'_d) / l_d)^2: 'squared_exponential' (C.5), 'matern_3_2' or 'matern_5_2' (C.6).
+    """
+
+    def __init__(
+        self, amplitude: float, lengthscales: numpy.typing.ArrayLike, *, family: str = "squared_exponential"
+    ) -> None:
+        """
+        amplitude: standard deviation of f, in the targets' unit; lengthscales (D,), in the inputs' units. ValueError unless all are > 0 and finite.
+        """
+
+    def covariance(self, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Inputs (N, D), (M, D) -> (N, M). ValueError for another D.
+        """
+
+    @property
+    def amplitude(self) -> float: ...
+    @property
+    def family(self) -> str: ...
+    @property
+    def lengthscales(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (D,), a view
+        """
+
+class DifferentialEvolutionConfig:
+    """
+    best/1/bin with dither, as SciPy's defaults: population: members for every parameter; generations: at most; recombination: probability of the mutant's parameter; mutation_low, mutation_high: range of the difference's weight; done once the values' standard deviation is <= absolute_tolerance + tolerance |mean|; seed.
+    """
+
+    def __init__(
+        self,
+        *,
+        population: int = 15,
+        generations: int = 1000,
+        recombination: float = 0.7,
+        mutation_low: float = 0.5,
+        mutation_high: float = 1.0,
+        tolerance: float = 0.01,
+        absolute_tolerance: float = 0.0,
+        seed: int = 0,
+    ) -> None: ...
+    @property
+    def absolute_tolerance(self) -> float: ...
+    @property
+    def generations(self) -> int: ...
+    @property
+    def mutation_high(self) -> float: ...
+    @property
+    def mutation_low(self) -> float: ...
+    @property
+    def population(self) -> int: ...
+    @property
+    def recombination(self) -> float: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def tolerance(self) -> float: ...
+
+class DifferentialEvolutionResult:
+    """
+    best (D,), its value, generations, evaluations; converged is False if the generations ran out.
+    """
+
+    @property
+    def best(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (D,), a view
+        """
+
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def generations(self) -> int: ...
+    @property
+    def value(self) -> float: ...
+
+class GaussianMoments:
+    """
+    mean (M,) and variance (M,) of M Gaussians.
+    """
+
+    @property
+    def mean(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (M,), a view
+        """
+
+    @property
+    def variance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (M,) >= 0, a view
+        """
+
+class GaussianProcess:
+    """
+    y_n = f(x_n) + e_n, f ~ GP(0, kernel), e_n ~ N(0, noise_variances[n] + noise^2): conditioned once (App. C.3, ERRATA 33), then asked as often as wanted, from any thread.
+    """
+
+    def __init__(
+        self,
+        inputs: numpy.typing.ArrayLike,
+        targets: numpy.typing.ArrayLike,
+        noise_variances: numpy.typing.ArrayLike,
+        kernel: Kernel,
+        noise: float,
+    ) -> None:
+        """
+        inputs (N, D), targets (N,), noise_variances (N,) the samples' own, noise a standard deviation. ValueError for data or parameters that do not fit, and if the covariance is not positive definite.
+        """
+
+    def __len__(self) -> int: ...
+    def predict(self, queries: numpy.typing.ArrayLike, with_noise: bool = False) -> GaussianMoments:
+        """
+        Queries (M, D) -> mean and variance of f there (C.4), with_noise of y (noise^2 added). A query with NaN or inf gives NaN. ValueError for another D.
+        """
+
+    def predict_one(self, query: numpy.typing.ArrayLike) -> tuple[float, float]:
+        """
+        One query (D,) -> (mean, variance) of f: `predict` with less overhead.
+        """
+
+    @property
+    def dimensions(self) -> int:
+        """
+        D
+        """
+
+    @property
+    def kernel(self) -> Kernel: ...
+    @property
+    def log_likelihood(self) -> float:
+        """
+        C.3 of the data conditioned on
+        """
+
+    @property
+    def noise(self) -> float: ...
+
+class GaussianProcessLikelihood:
+    """
+    log p(Y | X) as a function of (log amplitude, log l_1 .. log l_D, log noise) (C.3).
+    """
+
+    def __init__(
+        self,
+        inputs: numpy.typing.ArrayLike,
+        targets: numpy.typing.ArrayLike,
+        noise_variances: numpy.typing.ArrayLike,
+        *,
+        family: str = "squared_exponential",
+    ) -> None:
+        """
+        inputs (N, D), targets (N,), noise_variances (N,). ValueError for data that do not fit or are not finite.
+        """
+
+    def __len__(self) -> int: ...
+    def evaluate(self, log_parameters: numpy.typing.ArrayLike, give_up_below: float = ...) -> float:
+        """
+        log_parameters (D + 2,) -> log p(Y | X) with K + diag(noise_variances + noise^2) (ERRATA 33); -inf where that is not positive definite, and early where the result is certain to be below give_up_below.
+        """
+
+    def evaluate_with_gradient(
+        self, log_parameters: numpy.typing.ArrayLike
+    ) -> tuple[float, numpy.typing.NDArray[numpy.float64]]:
+        """
+        -> log p(Y | X), its derivatives (D + 2,); NaN where the likelihood is -inf.
+        """
+
+    def maximise(
+        self, bounds: numpy.typing.ArrayLike, config: DifferentialEvolutionConfig = ...
+    ) -> DifferentialEvolutionResult:
+        """
+        Differential evolution over bounds (D + 2, 2) of the log parameters; the result's value is the likelihood.
+        """
+
+    @property
+    def dimensions(self) -> int:
+        """
+        D
+        """
+
+def differential_evolution(
+    objective: collections.abc.Callable[[numpy.typing.NDArray[numpy.float64]], float],
+    bounds: numpy.typing.ArrayLike,
+    config: DifferentialEvolutionConfig = ...,
+) -> DifferentialEvolutionResult:
+    """
+    Minimises objective((D,)) -> float in the box of bounds (D, 2); NaN counts as +inf. The same seed gives the same result. ValueError for bounds that are not finite or not low < high.
+    """
 
 def fit_rbf_network(
     inputs: numpy.typing.ArrayLike, targets: numpy.typing.ArrayLike, config: RbfNetworkConfig

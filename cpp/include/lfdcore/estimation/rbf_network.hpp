@@ -1,12 +1,9 @@
 // Radial basis function networks built greedily (App. C.1, Alg. 5 as corrected by ERRATA 45), with a 0 prior.
 #pragma once
 
-#include <Eigen/Core>
+#include "lfdcore/estimation/row_matrix.hpp"
 
 namespace lfdcore {
-
-/// (N, D): one input a row.
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct RbfNetworkConfig {
   double sigma = 0.3;       ///< standard deviation of every Gaussian, in the inputs' units

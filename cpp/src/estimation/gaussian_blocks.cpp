@@ -1,0 +1,204 @@
+#include "gaussian_blocks.hpp"
+
+// glibc's libmvec is used by declaring exp ourselves as vectorisable (see gaussian_kernel.cpp); elsewhere it is scalar.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+extern "C" __attribute__((simd("notinbranch"), const)) double exp(double) noexcept;
+#else
+#include <cmath>
+using std::exp;
+#endif
+
+// Always inlined, so that each of the functions at the end compiles the helpers for its own instruction set.
+#define LFDCORE_INLINE inline __attribute__((always_inline))
+
+namespace lfdcore::detail {
+namespace {
+
+template <int N>
+struct Lanes {
+  using Double __attribute__((vector_size(8 * N))) = double;
+  using Unaligned __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double;
+};
+template <int N>
+using Vec = typename Lanes<N>::Double;
+
+template <int N>
+LFDCORE_INLINE Vec<N> load(const double* from) {
+  return *reinterpret_cast<const typename Lanes<N>::Unaligned*>(from);
+}
+template <int N>
+LFDCORE_INLINE void store(double* to, Vec<N> value) {
+  *reinterpret_cast<typename Lanes<N>::Unaligned*>(to) = value;
+}
+
+LFDCORE_INLINE void squared_distances(const double* __restrict rows, const double* __restrict columns, int dims,
+                                      int count, double* __restrict values) {
+  for (int j = 0; j < count; ++j) {
+    double* out = values + j * lanes;
+    for (int i = 0; i < lanes; ++i) out[i] = 0;
+    for (int d = 0; d < dims; ++d)
+      for (int i = 0; i < lanes; ++i) {
+        const double u = rows[d * lanes + i] - columns[d * lanes + j];
+        out[i] += u * u;
+      }
+  }
+}
+
+// sqrt(3 or 5) r, held where exp(-s) is 0 (its product with a larger s would be NaN). NaN stays.
+LFDCORE_INLINE double matern_distance(double times, double squared) {
+  const double s = __builtin_sqrt(times * squared);
+  return s > 745 ? 745 : s;
+}
+
+// C.5 and C.6 in place of the squared distances; the derivative by log l_d is slope u_d^2 in all three.
+LFDCORE_INLINE void squared_exponential(double variance, int count, double* __restrict values) {
+  for (int i = 0; i < count; ++i) values[i] = variance * exp(-0.5 * values[i]);
+}
+LFDCORE_INLINE void matern_3_2(double variance, int count, double* __restrict values) {
+  for (int i = 0; i < count; ++i) {
+    const double s = matern_distance(3, values[i]);
+    values[i] = variance * (1 + s) * exp(-s);
+  }
+}
+LFDCORE_INLINE void matern_3_2_slope(double variance, int count, const double* __restrict squared,
+                                     double* __restrict slopes) {
+  for (int i = 0; i < count; ++i) slopes[i] = variance * 3 * exp(-matern_distance(3, squared[i]));
+}
+LFDCORE_INLINE void matern_5_2(double variance, int count, double* __restrict values) {
+  for (int i = 0; i < count; ++i) {
+    const double s = matern_distance(5, values[i]);
+    values[i] = variance * (1 + s + s * s / 3) * exp(-s);
+  }
+}
+LFDCORE_INLINE void matern_5_2_slope(double variance, int count, const double* __restrict squared,
+                                     double* __restrict slopes) {
+  for (int i = 0; i < count; ++i) {
+    const double s = matern_distance(5, squared[i]);
+    slopes[i] = variance * (5.0 / 3) * (1 + s) * exp(-s);
+  }
+}
+
+LFDCORE_INLINE void covariance_block(KernelFamily family, double variance, const double* rows, const double* columns,
+                                     int dims, int count, double* values, double* slopes) {
+  squared_distances(rows, columns, dims, count, values);
+  const int all = count * lanes;
+  if (family == KernelFamily::squared_exponential) {
+    squared_exponential(variance, all, values);
+    for (int i = 0; slopes && i < all; ++i) slopes[i] = values[i];
+  } else if (family == KernelFamily::matern_3_2) {
+    if (slopes) matern_3_2_slope(variance, all, values, slopes);
+    matern_3_2(variance, all, values);
+  } else {
+    if (slopes) matern_5_2_slope(variance, all, values, slopes);
+    matern_5_2(variance, all, values);
+  }
+}
+
+// W x V rows by 4 columns of the block stay in registers over all of depth.
+template <int W, int V>
+LFDCORE_INLINE void subtract_tile(double* block, const double* rows, const double* columns, int depth) {
+  Vec<W> sum[4][V] = {};
+  for (int k = 0; k < depth; ++k) {
+    Vec<W> row[V];
+    for (int v = 0; v < V; ++v) row[v] = load<W>(rows + k * lanes + v * W);
+    for (int j = 0; j < 4; ++j)
+      for (int v = 0; v < V; ++v) sum[j][v] += row[v] * columns[k * lanes + j];
+  }
+  for (int j = 0; j < 4; ++j)
+    for (int v = 0; v < V; ++v) {
+      double* at = block + j * lanes + v * W;
+      store<W>(at, load<W>(at) - sum[j][v]);
+    }
+}
+
+template <int W, int V>
+LFDCORE_INLINE void subtract_block(double* block, const double* rows, const double* columns, int depth) {
+  for (int i = 0; i < lanes; i += W * V)
+    for (int j = 0; j < lanes; j += 4) subtract_tile<W, V>(block + j * lanes + i, rows + i, columns + j, depth);
+}
+
+// X L' = B, column after column: X_j = (B_j - sum_{m<j} L_jm X_m) / L_jj
+template <int W>
+LFDCORE_INLINE void solve_block(double* block, const double* lower) {
+  for (int j = 0; j < lanes; ++j) {
+    const double inverse = 1 / lower[j * lanes + j];
+    Vec<W> column[lanes / W];
+    for (int v = 0; v < lanes / W; ++v) column[v] = load<W>(block + j * lanes + v * W);
+    for (int m = 0; m < j; ++m)
+      for (int v = 0; v < lanes / W; ++v) column[v] -= load<W>(block + m * lanes + v * W) * lower[m * lanes + j];
+    for (int v = 0; v < lanes / W; ++v) store<W>(block + j * lanes + v * W, column[v] * inverse);
+  }
+}
+
+template <int W>
+LFDCORE_INLINE int factor_block(double* block, const double* smallest) {
+  for (int j = 0; j < lanes; ++j) {
+    double* column = block + j * lanes;
+    const double pivot = column[j];
+    if (!(pivot > smallest[j] && pivot <= __DBL_MAX__)) return j;
+    const double inverse = 1 / __builtin_sqrt(pivot);
+    for (int i = 0; i < lanes; ++i) column[i] = i < j ? 0 : column[i] * inverse;
+    for (int m = j + 1; m < lanes; ++m) {
+      const double weight = column[m];
+      double* right = block + m * lanes;
+      for (int i = 0; i < lanes; i += W) store<W>(right + i, load<W>(right + i) - load<W>(column + i) * weight);
+    }
+  }
+  return lanes;
+}
+
+template <int W>
+LFDCORE_INLINE void accumulate_panel(double* sums, const double* panel, const double* values, int depth) {
+  Vec<W> sum[lanes / W];
+  for (int v = 0; v < lanes / W; ++v) sum[v] = load<W>(sums + v * W);
+  for (int k = 0; k < depth; ++k)
+    for (int v = 0; v < lanes / W; ++v) sum[v] += load<W>(panel + k * lanes + v * W) * values[k];
+  for (int v = 0; v < lanes / W; ++v) store<W>(sums + v * W, sum[v]);
+}
+
+// One set of entry points for an instruction set: W doubles a register, V registers of rows in a tile.
+#define LFDCORE_BLOCK_KERNELS(NAME, TARGET, W, V)                                                                  \
+  struct NAME {                                                                                                    \
+    TARGET static void covariance(KernelFamily family, double variance, const double* rows, const double* columns, \
+                                  int dims, int count, double* values, double* slopes) {                           \
+      covariance_block(family, variance, rows, columns, dims, count, values, slopes);                              \
+    }                                                                                                              \
+    TARGET static void subtract(double* block, const double* rows, const double* columns, int depth) {             \
+      subtract_block<W, V>(block, rows, columns, depth);                                                           \
+    }                                                                                                              \
+    TARGET static void solve(double* block, const double* lower) { solve_block<W>(block, lower); }                 \
+    TARGET static int factor(double* block, const double* smallest) { return factor_block<W>(block, smallest); }   \
+    TARGET static void accumulate(double* sums, const double* panel, const double* values, int depth) {            \
+      accumulate_panel<W>(sums, panel, values, depth);                                                             \
+    }                                                                                                              \
+  };
+
+LFDCORE_BLOCK_KERNELS(Baseline, , 2, 2)
+#if defined(__x86_64__)
+LFDCORE_BLOCK_KERNELS(Avx2, __attribute__((target("avx2,fma"))), 4, 2)
+LFDCORE_BLOCK_KERNELS(Avx512, __attribute__((target("avx2,fma,avx512f,avx512dq,avx512bw,avx512vl"))), 8, 4)
+
+bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+bool has_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+}
+#endif
+
+template <class Set>
+BlockKernels entries() {
+  return {Set::covariance, Set::subtract, Set::solve, Set::factor, Set::accumulate};
+}
+
+}  // namespace
+
+std::vector<BlockKernels> block_kernels_of_this_cpu() {
+  std::vector<BlockKernels> found{entries<Baseline>()};
+#if defined(__x86_64__)
+  if (has_avx2()) found.push_back(entries<Avx2>());
+  if (has_avx2() && has_avx512()) found.push_back(entries<Avx512>());
+#endif
+  return found;
+}
+
+}  // namespace lfdcore::detail
