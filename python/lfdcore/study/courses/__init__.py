@@ -9,6 +9,7 @@ from lfdcore.study.courses.homes import HOME_ROUTES, flat, home, office
 from lfdcore.study.courses.ideal import FootprintOnGrid, IdealDrive, drive_ideally
 from lfdcore.study.courses.large_home import home_20x19
 from lfdcore.study.courses.mazes import MAZE_ROUTES, maze_1, maze_2, mazes
+from lfdcore.study.courses.roomy import hall
 from lfdcore.study.courses.routes import RouteConfig, RoutePlanner, clearance_field, route_clearance
 from lfdcore.study.courses.tasks import DOCKING_DISTANCE, Task, distance_to_box, doorway_and_docking, narrow_gap
 
@@ -34,6 +35,7 @@ __all__ = [
     "figure_eight",
     "flat",
     "from_map",
+    "hall",
     "home",
     "home_20x19",
     "maze_1",
