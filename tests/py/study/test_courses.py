@@ -158,6 +158,15 @@ def test_arbitrary_destinations_in_the_large_home_can_be_driven_to_and_the_seed_
     assert drive.completed and not drive.contacts.any()
 
 
+def test_a_seed_whose_start_leads_nowhere_starts_elsewhere() -> None:
+    blocked = home_20x19(517)
+    with pytest.raises(ValueError, match="no route of"):
+        from_map(blocked.grid, 517, 10.0, doors=blocked.doors)
+    assert blocked.length >= 10 and blocked.name == "home-20x19-517"
+    with pytest.raises(ValueError, match="seed must be >= 0, got -1"):
+        home_20x19(-1)
+
+
 @pytest.mark.parametrize("make", [doorway_and_docking, narrow_gap])
 def test_a_task_is_drawn_from_its_seed(make) -> None:  # type: ignore[no-untyped-def]
     a, b, other = make(4), make(4), make(5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 
 from lfdcore.study.courses.any_map import from_map
@@ -61,12 +63,27 @@ def _furnish(d: Drawing) -> None:
     d.disc(19.6, 11.7, 0.2)
 
 
+_STARTS, _NEXT = 8, 1_000_003
+"""How many starts are drawn for a seed, and what is added to it from one to the next."""
+
+
 @lru_cache(maxsize=64)
 def home_20x19(seed: int = 0, length: float = 10.0) -> Course:
     """From an arbitrary place of the 20 x 19 m home to an arbitrary other (cf. Fig. 4.14), both drawn from the seed.
 
-    length: of the way at least [m]; where one destination is too near, the drive goes on to another. Ten rooms and an
-    L-shaped hall; doors of .9-1.4 m. Raises ValueError for a negative seed or a length that no way has.
+    length: of the way at least [m]; where one destination is too near, the drive goes on to another, and where no way
+    leads on, it starts elsewhere. Ten rooms and an L-shaped hall; doors of .9-1.4 m. Raises ValueError for a negative
+    seed or a length that no way has.
     """
+    if seed < 0:
+        raise ValueError(f"seed must be >= 0, got {seed}")
     d = _drawing()
-    return from_map(d.grid(), seed, length, "home-20x19", "test", tuple(d.doors))
+    for start in range(_STARTS - 1):
+        with suppress(ValueError):
+            return _drawn(d, seed, start, length)
+    return _drawn(d, seed, _STARTS - 1, length)
+
+
+def _drawn(d: Drawing, seed: int, start: int, length: float) -> Course:
+    course = from_map(d.grid(), seed + start * _NEXT, length, doors=tuple(d.doors))
+    return replace(course, name=f"home-20x19-{seed}")
