@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLogWriter
+from lfdcore.datasets.safe_joystick import limits_note
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
 from lfdcore.study.courses import Course
@@ -125,8 +126,10 @@ def run_drive(
     progress = _Progress(config, course.length)
     log = None
     if log_path is not None:
+        about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
+        about |= limits_note(config.chair.limits)
         # odometry begins at (0, 0, 0) in the course's start: heatmap_targets relates runs of one place by this
-        about = {"place": course.name, "T_place_odom": " ".join(repr(float(value)) for value in course.start)}
+        about |= {"place": course.name, "T_place_odom": " ".join(repr(float(value)) for value in course.start)}
         log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
     collision, odometry_twist = False, Twist2()
     outcome = None
