@@ -25,6 +25,7 @@ th, td { padding: .3rem .8rem; border-bottom: 1px solid #e4e7eb; text-align: rig
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
+.lead { font-weight: 600; border-left: 4px solid #1a9850; padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
 img { max-width: 100%; height: auto; }
@@ -83,9 +84,13 @@ def _section(section: Section) -> str:
     return f"<h2>{escape(section.title)}</h2>\n{text}{tables}{pictures}"
 
 
-def write_report(path: Path, title: str, sections: Sequence[Section]) -> Path:
-    """Writes one HTML file that needs nothing else -> its path. The same sections give the same bytes."""
-    body = "".join(map(_section, sections))
+def write_report(path: Path, title: str, sections: Sequence[Section], lead: str = "", origin: str = "") -> Path:
+    """Writes one HTML file that needs nothing else -> its path. The same arguments give the same bytes.
+
+    Below the title stand `lead`, the result in a sentence or two, and small `origin`, what made it.
+    """
+    parts = (f'<p class="{kind}">{escape(text)}</p>\n' for kind, text in (("lead", lead), ("note", origin)) if text)
+    body = "".join([*parts, *map(_section, sections)])
     path.write_text(
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
