@@ -128,4 +128,4 @@ def write_driving_report(
 def _origin(result: DrivingResult, command: str) -> str:
     runs = f"{len(result.traces)} runs, {result.nbytes / 1e6:.1f} MB in memory without their scans"
     made = f"lfdcore {__version__}, seed {result.study.seed}; {runs}."
-    return f"{made} Made by: {command}" if command else made
+    return f"{made} Made by: `{command}`" if command else made

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -25,6 +26,7 @@ th, td { padding: .3rem .8rem; border-bottom: 1px solid #e4e7eb; text-align: rig
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
+th small { font-size: .92em; color: #3d444d; } code { font: .92em "DejaVu Sans Mono", monospace; }
 .lead { font-weight: 600; border-left: 4px solid #1a9850; padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
@@ -64,6 +66,10 @@ def _cell(text: str) -> str:
     return first + "".join(f"<br><small>{line}</small>" for line in more)
 
 
+def _code(text: str) -> str:
+    return re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+
+
 def _table(table: Table) -> str:
     head = "".join(f"<th>{_cell(cell)}</th>" for cell in table.header)
     body = "".join("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>\n" for row in table.rows)
@@ -87,9 +93,10 @@ def _section(section: Section) -> str:
 def write_report(path: Path, title: str, sections: Sequence[Section], lead: str = "", origin: str = "") -> Path:
     """Writes one HTML file that needs nothing else -> its path. The same arguments give the same bytes.
 
-    Below the title stand `lead`, the result in a sentence or two, and small `origin`, what made it.
+    Below the title stand `lead`, the result in a sentence or two, and small `origin`, what made it; what stands
+    between backticks is code.
     """
-    parts = (f'<p class="{kind}">{escape(text)}</p>\n' for kind, text in (("lead", lead), ("note", origin)) if text)
+    parts = (f'<p class="{kind}">{_code(text)}</p>\n' for kind, text in (("lead", lead), ("note", origin)) if text)
     body = "".join([*parts, *map(_section, sections)])
     path.write_text(
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
