@@ -55,9 +55,9 @@ class DrivingOutcome:
 
     def print_tables(self) -> None:
         """The result in a line, all tables, then the report's path."""
-        from lfdcore.study.tables import driving_tables, headline, task_tables
+        from lfdcore.study.tables import WIDTH, driving_tables, headline, task_tables, wrapped
 
-        typer.echo(f"{headline(self.result)}\n")
+        typer.echo("\n".join(wrapped(headline(self.result), WIDTH)) + "\n")
         for table in driving_tables(self.result) + (task_tables(self.tasks) if self.tasks else []):
             typer.echo(table.as_text())
         typer.echo(f"report: {self.report}")

@@ -319,11 +319,12 @@ def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) 
     if planned.source == "hybrid_astar":
         _line(c, planned.path, BEAM, 1.8, zorder=4.5)
     _line(c, drawn, "#e6194b", 1.0, zorder=4)
-    figure.colorbar(reward, ax=a, shrink=0.62, label="reward")
-    figure.colorbar(value, ax=b, shrink=0.62, label="value", extend="min")
+    for image, axes, more in ((reward, a, {"label": "reward"}), (value, b, {"label": "value", "extend": "min"})):
+        figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, **more)
     for axes, title in ((a, "A  reward and primitive"), (b, "B  value and DPP path"), (c, "C  pursuit rolled out")):
         _front_axes(axes)
         axes.set_title(title)
+        axes.set_anchor("N")
     return figure
 
 

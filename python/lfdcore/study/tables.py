@@ -9,7 +9,7 @@ import numpy as np
 
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.study.courses import Course
-from lfdcore.study.driving import DrivingResult
+from lfdcore.study.driving import DrivingResult, DrivingStudy
 from lfdcore.study.driving_tasks import TASK_GOALS, TASK_NAMES, TaskResult
 from lfdcore.study.metrics import JERK_WINDOW
 from lfdcore.study.plots import arm_name
@@ -50,8 +50,8 @@ class Table:
         lines = [self.header, *self.rows]
         widths = [max(len(part) for line in lines for part in line[k].split("\n")) for k in range(len(self.header))]
         blocks = [_block(lines, widths, columns) for columns in _fitting(widths, width)]
-        note = [*_wrapped(self.note, width), ""] if self.note else [""]
-        return "\n".join([*_wrapped(self.title, width), *"\n\n".join(blocks).split("\n"), *note])
+        note = [*wrapped(self.note, width), ""] if self.note else [""]
+        return "\n".join([*wrapped(self.title, width), *"\n\n".join(blocks).split("\n"), *note])
 
 
 def _fitting(widths: Sequence[int], width: int) -> list[list[int]]:
@@ -82,7 +82,8 @@ def _row(line: Row, widths: Sequence[int], columns: Sequence[int]) -> list[str]:
     return shown
 
 
-def _wrapped(text: str, width: int) -> list[str]:
+def wrapped(text: str, width: int) -> list[str]:
+    """The words of `text` in lines of at most `width` columns; a longer word has a line of its own."""
     lines = [""]
     for word in text.split():
         if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
@@ -245,8 +246,7 @@ def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
     users = "one volunteer on a real chair" if real else "10 people in simulation"
     return Table(
         f"Driving metrics, {label} (as Table {'3.2' if real else '3.1'}; n = {study.drivers} simulated impaired "
-        f"drivers, seeds {study.seed}.."
-        f"{study.seed + study.drivers - 1})",
+        f"drivers, {_seeds(study)})",
         ("", *_arm_columns(arms), "thesis,\nreal" if real else "thesis,\nsimulated"),
         tuple(rows),
         f"{_INTERVALS}Completed: Wilson's interval. p: against {arm_name(arms[0])}, paired over drivers (exact "
@@ -365,8 +365,14 @@ def headline(result: DrivingResult, arm: str = "primitives") -> str:
         labels = course_labels(study.courses)
         ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
         text += f". Angular jerk / unassisted: {', '.join(ratios)}".replace("nan", "-")
-    seeds = f"seeds {study.seed}..{study.seed + study.drivers - 1}"
-    return f"{text}. n = {study.drivers} simulated impaired drivers a course, {seeds}."
+    return (
+        f"{text}. n = {study.drivers} simulated impaired driver{'s' * (study.drivers != 1)} a course, {_seeds(study)}."
+    )
+
+
+def _seeds(study: DrivingStudy) -> str:
+    last = study.seed + study.drivers - 1
+    return f"seeds {study.seed}..{last}" if study.drivers > 1 else f"seed {last}"
 
 
 def _counts(result: DrivingResult, arm: str) -> str:
