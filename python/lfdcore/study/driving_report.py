@@ -22,8 +22,8 @@ from lfdcore.wheelchair.model_file import DriveAssistantModel
 INTRODUCTION = (
     "Everything here is simulated: the chair, the courses and the drivers (docs/simulated-drivers.md). Figures beside "
     "the thesis's tables come from our stand-ins, not from its users, and its courses had other walls. Every arm of a "
-    "comparison meets the same driver, seed and noise. Failures (stuck, out of time) stay in every share and mean; only ratios to "
-    "unassisted are over the drivers who completed in both arms."
+    "comparison meets the same driver, seed and noise. Failures (stuck, out of time) stay in every share and "
+    "mean; only ratios to unassisted are over the drivers who completed in both arms."
 )
 STAGES = "How a demonstration becomes a path: one log, its moments chosen by rule (those with most to see)."
 _READING = (

@@ -17,16 +17,16 @@ from lfdcore.study.plots import png
 from lfdcore.study.tables import Table
 
 STYLE = """
-body { font: 16px/1.5 "DejaVu Sans", system-ui, sans-serif; color: #1f2328; max-width: 1180px; margin: 2rem auto;
+body { font: 16px/1.5 "DejaVu Sans", system-ui, sans-serif; color: #1f2328; max-width: 1200px; margin: 2rem auto;
   padding: 0 1rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.2rem; border-bottom: 1px solid #d0d7de; }
 p { max-width: 52rem; }
 table { border-collapse: collapse; font-size: .84rem; line-height: 1.35; margin: 1.2rem 0 .3rem; }
-th, td { padding: .3rem .8rem; border-bottom: 1px solid #e4e7eb; text-align: right; white-space: nowrap;
+th, td { padding: .3rem .55rem; border-bottom: 1px solid #e4e7eb; text-align: right; white-space: nowrap;
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
-th small { font-size: .92em; color: #3d444d; } code { font: .92em "DejaVu Sans Mono", monospace; }
+small b { color: #b3261e; } th small { font-size: .92em; color: #3d444d; } code { font: .92em "DejaVu Sans Mono", monospace; }
 .lead { font-weight: 600; border-left: 4px solid #1a9850; padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
@@ -35,7 +35,7 @@ img { max-width: 100%; height: auto; }
 """
 
 
-SIGNS = {"+-": " &plusmn; ", "-&gt;": "&rarr;", "&gt;=": "&ge;", "&lt;=": "&le;"}
+SIGNS = {"+-": " &plusmn; ", "-&gt;": "&rarr;", "&gt;=": "&ge;", "&lt;=": "&le;", "MISSED": "<b>MISSED</b>"}
 """What tables write in ASCII, for the terminal, and its sign in a page."""
 
 

@@ -319,8 +319,9 @@ def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) 
     if planned.source == "hybrid_astar":
         _line(c, planned.path, BEAM, 1.8, zorder=4.5)
     _line(c, drawn, "#e6194b", 1.0, zorder=4)
-    for image, axes, more in ((reward, a, {"label": "reward"}), (value, b, {"label": "value", "extend": "min"})):
-        figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, **more)
+    for image, axes, label, extend in ((reward, a, "reward", "neither"), (value, b, "value", "min")):
+        bar = figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, extend=extend)
+        bar.set_label(label)
     for axes, title in ((a, "A  reward and primitive"), (b, "B  value and DPP path"), (c, "C  pursuit rolled out")):
         _front_axes(axes)
         axes.set_title(title)

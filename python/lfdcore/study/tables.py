@@ -204,7 +204,7 @@ def _horizon(arms: Sequence[str]) -> str:
 
 def _stacked(name: str) -> str:
     """An arm's name over as many lines as it has parts."""
-    return name.replace(" (", "\n(").replace(", ", ",\n")
+    return name.replace(" (", "\n(").replace(", ", ",\n").replace(" only", "\nonly")
 
 
 def _arm_columns(arms: Sequence[str]) -> Row:
@@ -365,9 +365,8 @@ def headline(result: DrivingResult, arm: str = "primitives") -> str:
         labels = course_labels(study.courses)
         ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
         text += f". Angular jerk / unassisted: {', '.join(ratios)}".replace("nan", "-")
-    return (
-        f"{text}. n = {study.drivers} simulated impaired driver{'s' * (study.drivers != 1)} a course, {_seeds(study)}."
-    )
+    people = f"simulated impaired driver{'s' * (study.drivers != 1)}"
+    return f"{text}. n = {study.drivers} {people} a course, {_seeds(study)}."
 
 
 def _seeds(study: DrivingStudy) -> str:

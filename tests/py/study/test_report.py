@@ -67,6 +67,11 @@ def test_the_result_and_what_made_it_stand_before_everything_else(tmp_path: Path
     assert "<p class=" not in written(tmp_path, [Section("Part")])
 
 
+def test_a_missed_figure_stands_out(tmp_path: Path) -> None:
+    html = written(tmp_path, [Section("Part", "", [Table("T", ("", "a"), (("x", "1.2\nMISSED"),))])])
+    assert "<td>1.2<br><small><b>MISSED</b></small></td>" in html
+
+
 def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
     class Tags(HTMLParser):
         def __init__(self) -> None:
