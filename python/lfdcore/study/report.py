@@ -26,7 +26,8 @@ th, td { padding: .3rem .55rem; border-bottom: 1px solid #e4e7eb; text-align: ri
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
-small b { color: #b3261e; } th small { font-size: .92em; color: #3d444d; } code { font: .92em "DejaVu Sans Mono", monospace; }
+small b { color: #b3261e; } th small { font-size: .92em; color: #3d444d; }
+code { font: .92em "DejaVu Sans Mono", monospace; }
 .lead { font-weight: 600; border-left: 4px solid #1a9850; padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
