@@ -10,6 +10,7 @@ from typing import Any
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import Course, Task, doorway_and_docking, narrow_gap
+from lfdcore.study.courses.tasks import DOCKING_DISTANCE
 from lfdcore.study.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
 from lfdcore.study.driving import ARMS, make_assistant
 from lfdcore.study.metrics import reversals, stuck_time
@@ -20,6 +21,16 @@ TASKS: dict[str, Callable[[int], Task]] = {"doorway_and_docking": doorway_and_do
 TASK_NAMES = {"doorway_and_docking": "doorway, then docking", "narrow_gap": "narrow gap (.90 m)"}
 DOCKING_SPEED = 0.2
 """A chair beside its table counts as docked when it is no faster than this [m/s]: it stops within a few cm."""
+TASK_GOALS = {
+    "doorway_and_docking": (
+        f"Reached means docked: at the end of the run the chair's outline is within {DOCKING_DISTANCE:g} m of the "
+        f"table; the run ends once that is so at no more than {DOCKING_SPEED:g} m/s, or when its time is over."
+    ),
+    "narrow_gap": (
+        "Reached: the whole chair is behind the wall with the gap; the run ends then, or when its time is over."
+    ),
+}
+"""What counts as reached, for readers of a table."""
 
 
 class TaskDriver(ImpairedDriver):
