@@ -59,7 +59,7 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
     """Learns if there is no model, drives courses and tasks, writes the report; `more` makes sections of the model."""
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, run_driving_study
+    from lfdcore.study.driving import DrivingStudy, require_arms, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
     from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -68,6 +68,7 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
         DriveAssistantModel.load(plan.model)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
+    require_arms(arms)
     plan.output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
 

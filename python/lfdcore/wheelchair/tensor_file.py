@@ -24,13 +24,21 @@ Tensors = dict[str, NDArray[Any]]
 def write_tensor_file(
     path: str | os.PathLike[str], kind: str, version: int, header: dict[str, Any], tensors: Tensors
 ) -> None:
-    """Writes the arrays and a JSON header (plus kind and version) to `path`, replacing it in one step."""
+    """Writes the arrays and a JSON header (plus kind and version) to `path`, replacing it in one step.
+
+    ValueError where `path` is a folder, a pipe or a device.
+    """
     text = json.dumps({**header, "format": kind, "version": version}, sort_keys=True, allow_nan=False)
     data = save({name: np.ascontiguousarray(array) for name, array in tensors.items()}, metadata={_KEY: text})
     target = Path(path)
+    if target.exists() and not target.is_file():
+        raise ValueError(f"{target}: exists and is no regular file, so no model is written there")
     part = target.with_name(target.name + ".part")
-    part.write_bytes(data)
-    os.replace(part, target)
+    try:
+        part.write_bytes(data)
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> tuple[dict[str, Any], Tensors]:
