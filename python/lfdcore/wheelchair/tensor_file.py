@@ -41,9 +41,21 @@ def write_tensor_file(
         part.unlink(missing_ok=True)
 
 
+def is_tensor_file(path: str | os.PathLike[str]) -> bool:
+    """True for a file that begins as safetensors do, whatever its name: 8 bytes of length, then that much JSON."""
+    path = Path(path)
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(9)
+    return head[8:] == b"{" and int.from_bytes(head[:8], "little") <= path.stat().st_size - 8
+
+
 def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> tuple[dict[str, Any], Tensors]:
     """-> header, arrays. ModelError for a file that is truncated, garbled, of another kind or version; OSError if it
     cannot be opened."""
+    if not Path(path).is_file() and Path(path).exists():  # a pipe would be waited for
+        raise ModelError(f"{path} is no regular file, so no model")
     with Path(path).open("rb"):  # a missing file is the system's own error
         pass
     try:

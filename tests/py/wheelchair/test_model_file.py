@@ -104,7 +104,7 @@ def test_garbled_bytes_are_refused_or_read_but_never_crash(saved, tmp_path):
         (lambda h: h.update(format="something"), "does not hold a lfdcore drive assistant model"),
         (lambda h: h.pop("intention"), "usable drive assistant"),
         (lambda h: h["intention"].update(unknown=1), "usable drive assistant: IntentionConfig has the fields"),
-        (lambda h: h["compliance"].update(look_ahead=-1.0), "look_ahead is -1.0 m"),
+        (lambda h: h["compliance"].update(look_ahead=-1.0), "look_ahead is -1.0 m, must be between 0.01 and 100 m"),
         (lambda h: h.update(clearance=-1.0), "clearance is -1.0 m"),
     ],
 )
