@@ -59,7 +59,7 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
     """Learns if there is no model, drives courses and tasks, writes the report; `more` makes sections of the model."""
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, require_arms, run_driving_study
+    from lfdcore.study.driving import DrivingStudy, require_arms, require_once, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
     from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -69,6 +69,7 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
     require_arms(arms)
+    require_once("course", [course.name for course in courses])
     plan.output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
 

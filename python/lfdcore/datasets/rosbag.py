@@ -45,7 +45,8 @@ def read_rosbag(
     broken. `joystick_axes` are the indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
     T_base_laser is what the bag's static transforms say from the odometry's child frame to the scans' frame, unless
     told; the identity where they say nothing (the metadata tell which). Stamps are the headers' where they have any,
-    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges below range_min are NaN, above range_max inf.
+    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges below
+    range_min are NaN, above range_max inf.
     """
     path = Path(path)
     if not path.exists():

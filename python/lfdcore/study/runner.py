@@ -201,7 +201,7 @@ def run_jobs(
 ) -> tuple[DriveTrace, ...]:
     """Runs jobs over processes -> their traces in the jobs' order; they do not depend on the number of processes.
 
-    progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, in the middle of their jobs.
+    progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
     count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
     if count == 1:

@@ -79,7 +79,7 @@ class PathPrimitives:
             curves, goal = np.concatenate([curves, curves * flip]), np.concatenate([goal, goal * flip])
             end_yaw = np.concatenate([end_yaw, -end_yaw])
         bins = orientation_bin(end_yaw, config.bins)
-        found = [b for b in range(config.bins) if np.hypot(*goal[bins == b].mean(0)) > NEAREST_END]
+        found = [b for b in np.unique(bins) if np.hypot(*goal[bins == b].mean(0)) >= NEAREST_END]
         means = [goal[bins == b].mean(0) for b in found]
         shapes = [
             _points((_complex(curves[bins == b]) / _complex(goal[bins == b])[:, None]).mean(0) * complex(*mean))
