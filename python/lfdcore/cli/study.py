@@ -72,7 +72,7 @@ def drive_and_report(
     """
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, run_driving_study
+    from lfdcore.study.driving import DrivingStudy, require_arms, require_once, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
     from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -81,6 +81,8 @@ def drive_and_report(
         DriveAssistantModel.load(plan.model)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
+    require_arms(arms)
+    require_once("course", [course.name for course in courses])
     plan.output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
 

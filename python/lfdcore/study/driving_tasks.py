@@ -12,7 +12,7 @@ from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import Course, Task, doorway_and_docking, narrow_gap
 from lfdcore.study.courses.tasks import DOCKING_DISTANCE
 from lfdcore.study.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
-from lfdcore.study.driving import ARMS, make_assistant
+from lfdcore.study.driving import ARMS, make_assistant, require_arms, require_once
 from lfdcore.study.metrics import reversals, stuck_time
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -66,6 +66,8 @@ class TaskStudy:
     run: RunConfig = field(default_factory=RunConfig)
 
     def __post_init__(self) -> None:
+        require_arms(self.arms)
+        require_once("task", self.tasks)
         for name in self.tasks:
             if name not in TASKS:
                 raise ValueError(f"task is '{name}', must be one of {', '.join(TASKS)}")
@@ -134,11 +136,6 @@ def run_task_study(
         )
         for _, task, arm, config in plan
     ]
-    traces: dict[int, DriveTrace] = {}
-    for index, trace in run_jobs(jobs, processes):
-        traces[index] = trace
-        if progress is not None:
-            progress(len(traces), len(jobs))
-    ordered = tuple(traces[i] for i in range(len(jobs)))
-    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, ordered, strict=True))
-    return TaskResult(study, rows, ordered, tuple(job.course for job in jobs))
+    traces = run_jobs(jobs, progress, processes)
+    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, traces, strict=True))
+    return TaskResult(study, rows, traces, tuple(job.course for job in jobs))
