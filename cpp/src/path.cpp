@@ -3,6 +3,19 @@
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
+namespace {
+
+constexpr Eigen::Index most_points = 1'000'000;
+
+void require_points(const Path& path) {
+  for (Eigen::Index i = 0; i < path.rows(); ++i) {
+    if (path.row(i).allFinite()) continue;
+    require(false, "path point " + std::to_string(i) + " is (" + std::to_string(path(i, 0)) + ", " +
+                       std::to_string(path(i, 1)) + ") m, must be finite");
+  }
+}
+
+}  // namespace
 
 Eigen::VectorXd arc_length(const Path& path) {
   Eigen::VectorXd length = Eigen::VectorXd::Zero(path.rows());
@@ -12,9 +25,11 @@ Eigen::VectorXd arc_length(const Path& path) {
 
 Path resample(const Path& path, Eigen::Index count) {
   require(path.rows() >= 1, "a path without points cannot be resampled");
-  require(count >= 2, "count is " + std::to_string(count) + ", must be at least 2 points");
+  require_between("count", static_cast<double>(count), 2, most_points, "points");
+  require_points(path);
   const Eigen::VectorXd length = arc_length(path);
   const double total = length(length.size() - 1);
+  require_finite("length of the path", total, "m");
   Path result(count, 2);
   Eigen::Index segment = 0;
   for (Eigen::Index i = 0; i < count; ++i) {

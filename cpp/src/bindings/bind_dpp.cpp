@@ -12,7 +12,10 @@ Cell as_cell(CellTuple cell) { return {cell.first, cell.second}; }
 CellPath as_cells(const py::array& cells) {
   const bool whole = cells.dtype().kind() == 'i' || cells.dtype().kind() == 'u';
   require(whole && cells.ndim() == 2 && cells.shape(1) == 2, "path_cells must be an (N, 2) array of integers [ix, iy]");
-  return cells.cast<CellPath>();
+  const auto given = cells.cast<Eigen::Matrix<std::int64_t, Eigen::Dynamic, 2, Eigen::RowMajor>>();
+  require((given.array() == given.cast<int>().cast<std::int64_t>().array()).all(),
+          "path_cells holds a number beyond 32 bits, so no cell of a grid");
+  return given.cast<int>();
 }
 
 Preferences as_preferences(const py::array_t<double, py::array::c_style | py::array::forcecast>& given,
@@ -171,7 +174,8 @@ void bind_solver(py::module_& m) {
       py::arg("inverse_temperature") = DppConfig{}.inverse_temperature,
       "Psi_0 (H, W, 9) = (log pi_0 + entropy(pi_0)) / eta of a baseline that follows path cells (N, 2) [ix, iy] "
       "(ERRATA 19): `probability` on the path's move (to stay on its last cell), the rest shared by the other 8; "
-      "uniform, so 0, off the path. ValueError unless 0 < probability < 1 and consecutive cells are neighbours.");
+      "uniform, so 0, off the path. ValueError unless 0 < probability < 1, consecutive cells are neighbours, there are "
+      "at most 10 000 000 cells and the preferences are finite.");
   py::class_<DppSolver>(
       m, "DppSolver",
       "Dynamic policy programming (App. D.2, Alg. 2; Azar et al. 2012) on a grid. Keeps its workspace "

@@ -131,7 +131,8 @@ void bind_geometry(py::module_& m) {
   m.def("arc_length", &arc_length, py::arg("path"),
         "Distance [m] travelled up to each point of a path (N, 2) -> (N,).");
   m.def("resample", &resample, py::arg("path"), py::arg("count"),
-        "The path (N, 2) [m] at `count` points equally spaced by arc length -> (count, 2).");
+        "The path (N, 2) [m] at `count` (2 to 1 000 000) points equally spaced by arc length -> (count, 2). ValueError "
+        "for other counts, a path without points, and points or a length that are not finite.");
 }
 
 }  // namespace lfdcore

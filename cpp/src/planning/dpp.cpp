@@ -23,6 +23,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 constexpr double log2_e = 1.4426950408889634;
 constexpr double largest_exponent = 1e9;
+constexpr double most_cells = 1e7;  // 720 MB of preferences
 
 // The numbers of out-of-grid moves of a row of cells, where `rows_inside` of the 3 rows of moves stay in the grid.
 void count_outside(std::vector<double>& self, int width, int rows_inside) {
@@ -107,16 +108,20 @@ Preferences baseline_preference(const CellPath& path, int height, int width, dou
                                 double inverse_temperature) {
   require(height > 0 && width > 0, "grid is " + std::to_string(height) + " x " + std::to_string(width) +
                                        " cells, must have at least 1 x 1 (height x width)");
+  require_between("number of cells", static_cast<double>(height) * width, 1, most_cells, "cells");
   require(probability > 0 && probability < 1,
           "probability is " + std::to_string(probability) + ", must lie within (0, 1)");
   require_positive("inverse_temperature", inverse_temperature, "1/reward");
   const double log_move = std::log(probability), log_other = std::log((1 - probability) / (action_count - 1));
   const double entropy = -probability * log_move - (1 - probability) * log_other;
+  require_finite("preference (log(1 - probability) + entropy) / inverse_temperature",
+                 (log_other + entropy) / inverse_temperature, "reward");
   Preferences start = Preferences::Zero(static_cast<Eigen::Index>(height) * width, action_count);
   for (Eigen::Index i = 0; i < path.rows(); ++i) {
     const int ix = path(i, 0), iy = path(i, 1);
     const bool last = i + 1 == path.rows();
-    const int dx = last ? 0 : path(i + 1, 0) - ix, dy = last ? 0 : path(i + 1, 1) - iy;
+    const std::int64_t dx = last ? 0 : std::int64_t{path(i + 1, 0)} - ix;
+    const std::int64_t dy = last ? 0 : std::int64_t{path(i + 1, 1)} - iy;
     require(ix >= 0 && iy >= 0 && ix < width && iy < height && std::abs(dx) <= 1 && std::abs(dy) <= 1,
             "path cell " + std::to_string(i) + " is (" + std::to_string(ix) + ", " + std::to_string(iy) +
                 "), must lie in the grid and next to its follower");

@@ -528,7 +528,7 @@ def baseline_preference(
     path_cells: numpy.ndarray, shape: tuple[int, int], probability: float = 0.9, inverse_temperature: float = 0.001
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Psi_0 (H, W, 9) = (log pi_0 + entropy(pi_0)) / eta of a baseline that follows path cells (N, 2) [ix, iy] (ERRATA 19): `probability` on the path's move (to stay on its last cell), the rest shared by the other 8; uniform, so 0, off the path. ValueError unless 0 < probability < 1 and consecutive cells are neighbours.
+    Psi_0 (H, W, 9) = (log pi_0 + entropy(pi_0)) / eta of a baseline that follows path cells (N, 2) [ix, iy] (ERRATA 19): `probability` on the path's move (to stay on its last cell), the rest shared by the other 8; uniform, so 0, off the path. ValueError unless 0 < probability < 1, consecutive cells are neighbours, there are at most 10 000 000 cells and the preferences are finite.
     """
 
 def compliance(

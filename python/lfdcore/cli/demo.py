@@ -34,7 +34,8 @@ def demo(
     from lfdcore.cli.study import DrivingPlan, drive_and_report
 
     plan = DrivingPlan(output, None, "standard_course", "none,dwa,primitives", drivers, starts, seed)
-    drive_and_report(plan, _real_section).print_tables()
+    command = f"lfdcore demo --drivers {drivers} --task-starts {starts} --seed {seed}"
+    drive_and_report(plan, _real_section, command).print_tables()
 
 
 def _real_section(model: Path) -> list[Section]:

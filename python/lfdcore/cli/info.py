@@ -26,7 +26,9 @@ def info(
 def _facts(file: Path) -> dict[str, Any]:
     if not file.exists():
         raise FileNotFoundError(2, "no such file", str(file))
-    if file.suffix == ".safetensors":
+    from lfdcore.wheelchair.tensor_file import is_tensor_file
+
+    if file.suffix == ".safetensors" or is_tensor_file(file):
         from lfdcore.wheelchair.model_file import DriveAssistantModel
 
         return {"kind": "drive assistant model", **DriveAssistantModel.load(file).summary()}

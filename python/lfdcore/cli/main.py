@@ -32,13 +32,17 @@ def version(show: bool = typer.Option(False, "--version", help="Print the versio
         raise typer.Exit
 
 
-def _fail(message: str) -> NoReturn:
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as of every program that SIGINT ends"""
+
+
+def _fail(message: str, code: int = 1) -> NoReturn:
     print(f"lfdcore: {' '.join(message.split())}", file=sys.stderr)
-    sys.exit(1)
+    sys.exit(code)
 
 
 def main() -> None:
-    """Runs a command: exit code 2 for wrong use, 1 for a failure with one clear line."""
+    """Runs a command: exit code 2 for wrong use, 1 for a failure with one clear line, 130 after Ctrl-C."""
     from lfdcore.errors import DataError, ModelError
 
     try:
@@ -50,4 +54,8 @@ def main() -> None:
     except MemoryError:
         _fail("out of memory")
     except KeyboardInterrupt:
-        _fail("interrupted")
+        _fail("interrupted", INTERRUPTED)
+    except SystemExit as end:
+        if end.code == INTERRUPTED:  # typer's word for Ctrl-C, without a word to the user
+            _fail("interrupted", INTERRUPTED)
+        raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,12 @@ class DrivingPlan:
     seed: int
     processes: int | None = None
 
+    def command(self) -> str:
+        """What repeats the study; the folder is left to who does."""
+        words = ["lfdcore", "study", "driving", "-o", "out", "--courses", self.courses, "--assistants", self.arms]
+        words += ["--drivers", str(self.drivers), "--task-starts", str(self.starts), "--seed", str(self.seed)]
+        return shlex.join(words + (["--model", str(self.model)] if self.model else []))
+
 
 @dataclass(frozen=True)
 class DrivingOutcome:
@@ -47,19 +54,25 @@ class DrivingOutcome:
     report: Path
 
     def print_tables(self) -> None:
-        """All tables, then the report's path."""
-        from lfdcore.study.tables import driving_tables, task_tables
+        """The result in a line, all tables, then the report's path."""
+        from lfdcore.study.tables import WIDTH, driving_tables, headline, task_tables, wrapped
 
+        typer.echo("\n".join(wrapped(headline(self.result), WIDTH)) + "\n")
         for table in driving_tables(self.result) + (task_tables(self.tasks) if self.tasks else []):
             typer.echo(table.as_text())
         typer.echo(f"report: {self.report}")
 
 
-def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]] = lambda model: ()) -> DrivingOutcome:
-    """Learns if there is no model, drives courses and tasks, writes the report; `more` makes sections of the model."""
+def drive_and_report(
+    plan: DrivingPlan, more: Callable[[Path], Sequence[Section]] = lambda model: (), command: str = ""
+) -> DrivingOutcome:
+    """Learns if there is no model, drives courses and tasks, writes the report.
+
+    `more` makes sections of the model; `command` is named in the report as what made it, else the plan's own.
+    """
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, run_driving_study
+    from lfdcore.study.driving import DrivingStudy, require_arms, require_once, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
     from lfdcore.wheelchair.model_file import DriveAssistantModel
@@ -68,6 +81,8 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
         DriveAssistantModel.load(plan.model)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
+    require_arms(arms)
+    require_once("course", [course.name for course in courses])
     plan.output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
 
@@ -85,7 +100,14 @@ def drive_and_report(plan: DrivingPlan, more: Callable[[Path], Sequence[Section]
         told = step("report")
         told(0, 1)
         demonstrations = [] if plan.model else sorted(plan.output.glob("demonstration-*.mcap"))
-        report = write_driving_report(result, plan.output, more(model), demonstrations=demonstrations, tasks=tasks)
+        report = write_driving_report(
+            result,
+            plan.output,
+            more(model),
+            demonstrations=demonstrations,
+            tasks=tasks,
+            command=command or plan.command(),
+        )
         told(1, 1)
     return DrivingOutcome(result, tasks, report)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import math
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +20,8 @@ from lfdcore.geometry import Pose2
 
 EXCLUSIVE, INCLUSIVE = (180, 360), (181, 361)
 """Numbers of beams over 180 degrees: without and with a beam at +90 degrees."""
+OTHER_LASERS = {"RLASER", *(f"{kind}LASER{k}" for kind in ("", "ROBOT", "RAW") for k in range(1, 6))}
+"""First words of lines with scans that are not read"""
 LONGEST_LINE = 1 << 20
 """[bytes]"""
 _FAR, _NEAR = 81.0, 50.0
@@ -30,9 +33,10 @@ def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_ma
     Angles: from -90 degrees in steps of 180 / n for n = 180 or 360 beams, to +90 degrees inclusive for 181 or 361.
     Readings from `range_max` [m] on mean no return (inf): unless told 81 if any reading exceeds 51.2, else 50 (a SICK
     LMS says 81.8 to 81.91 or 50 to 51.1). Stamps are the log's. Odometry: ODOM lines whose time is 0 repeat the
-    corrected pose and are dropped, as are lines that do not go forward in time; corrected poses are not read. The log
-    holds no velocities: the twist is the mean over the last half second. T_base_laser is the identity unless told.
-    DataError with the line for garbled, truncated or empty logs and other numbers of beams.
+    corrected pose and are dropped, as are lines that do not go forward in time; corrected poses are not read. The
+    metadata's `dropped` counts both, and the lines of other lasers, which are not read. The log holds no velocities:
+    the twist is the mean over the last half second. T_base_laser is the identity unless told. DataError with the line
+    for garbled, truncated or empty logs, other numbers of beams and a number of beams that changes.
     """
     if range_max is not None and not 0 < range_max < math.inf:
         raise ValueError(f"range_max is {range_max} m, must be positive")
@@ -58,6 +62,8 @@ def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | Non
     far = far if range_max is None else range_max
     beams = readings.shape[1]
     odometry = lines.sorted_odometry()
+    lines.dropped["ODOM not forward in time"] = len(lines.odometry) - len(odometry)
+    dropped = ", ".join(f"{count} {kind}" for kind, count in sorted(lines.dropped.items()) if count)
     pose = np.c_[odometry[:, 1:3], np.unwrap(odometry[:, 3])]
     return DriveLog(
         scan_stamp=np.array(lines.scan_stamps),
@@ -70,7 +76,8 @@ def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | Non
         odometry_stamp=odometry[:, 0],
         pose=pose,
         twist=windowed_twist(odometry[:, 0], pose),
-        metadata={"source": f"CARMEN log {lines.path.name}", "odometry": "raw; twist over the last 0.5 s"},
+        metadata={"source": f"CARMEN log {lines.path.name}", "odometry": "raw; twist over the last 0.5 s"}
+        | ({"dropped": f"lines: {dropped}"} if dropped else {}),
         name=lines.path.name.removesuffix(".gz").removesuffix(".log"),
     )
 
@@ -83,6 +90,8 @@ class _Lines:
     scan_stamps: list[float] = field(default_factory=list)
     scans: list[list[float]] = field(default_factory=list)
     odometry: list[tuple[float, float, float, float]] = field(default_factory=list)
+    dropped: Counter[str] = field(default_factory=Counter)
+    """lines by kind"""
 
     def add(self, words: list[str]) -> None:
         """ValueError for a line that is not what its first word says."""
@@ -90,6 +99,8 @@ class _Lines:
             self._add_scan(words)
         elif words and words[0] == "ODOM":
             self._add_odometry(words)
+        elif words and words[0] in OTHER_LASERS:
+            self.dropped[words[0]] += 1
 
     def _add_scan(self, words: list[str]) -> None:
         beams = int(words[1]) if len(words) > 1 else 0
@@ -106,9 +117,11 @@ class _Lines:
         if len(words) != 10:
             raise ValueError(f"ODOM has {len(words)} words, must have 10")
         stamp = _finite(words[7], "time")
-        if stamp > 0:
-            x, y, yaw = (_finite(words[k], name) for k, name in ((1, "x"), (2, "y"), (3, "theta")))
-            self.odometry.append((stamp, x, y, yaw))
+        if stamp <= 0:
+            self.dropped["ODOM without a time"] += 1
+            return
+        x, y, yaw = (_finite(words[k], name) for k, name in ((1, "x"), (2, "y"), (3, "theta")))
+        self.odometry.append((stamp, x, y, yaw))
 
     def sorted_odometry(self) -> NDArray[np.float64]:
         """(T, 4) stamp, x, y, yaw: without the lines that do not go forward in time"""

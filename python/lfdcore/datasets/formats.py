@@ -40,6 +40,8 @@ def _reader(path: Path) -> Callable[..., DriveLog]:
         if (path / "metadata.yaml").exists():
             return read_rosbag
         raise DataError(f"{path}: a folder without metadata.yaml is no ROS 2 bag; known are {KNOWN}")
+    if not path.is_file():  # a pipe would be waited for
+        raise DataError(f"{path}: is no regular file; known are {KNOWN}")
     head = _head(path)
     if head.startswith(b"\x89MCAP0\r\n"):
         return read_drive_log if is_drive_log(path) else read_rosbag

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,8 @@ def read_rosbag(
     broken. `joystick_axes` are the indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
     T_base_laser is what the bag's static transforms say from the odometry's child frame to the scans' frame, unless
     told; the identity where they say nothing (the metadata tell which). Stamps are the headers' where they have any,
-    else the bag's, sorted, since the first. Ranges below range_min are NaN, above range_max inf.
+    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges below
+    range_min are NaN, above range_max inf.
     """
     path = Path(path)
     if not path.exists():
@@ -72,6 +74,8 @@ class _Bag:
     """(stamp [ns], message), sorted"""
     transforms: dict[str, tuple[str, Pose2]] = field(default_factory=dict)
     """child frame -> (parent frame, T_parent_child) of what never moves"""
+    unordered: dict[str, int] = field(default_factory=dict)
+    """by role: messages whose stamp is before that of the message before"""
 
 
 def _read(path: Path, wanted: dict[str, str | None]) -> _Bag:
@@ -94,7 +98,8 @@ def _read(path: Path, wanted: dict[str, str | None]) -> _Bag:
                 bag.transforms |= _transforms(message)
             else:
                 bag.messages[roles[connection.topic]].append((_stamp(message, nanoseconds), message))
-    for messages in bag.messages.values():
+    for role, messages in bag.messages.items():
+        bag.unordered[role] = sum(after[0] < before[0] for before, after in pairwise(messages))
         messages.sort(key=lambda one: one[0])
     return bag
 
@@ -146,6 +151,7 @@ def _drive_log(path: Path, bag: _Bag, told: Pose2 | None, axes: tuple[int, int])
         if not bag.messages[role]:
             raise DataError(f"{path}: topic {bag.topics[role]} holds no message, so no {role}")
     epoch = min(messages[0][0] for messages in bag.messages.values() if messages)
+    back = [f"{count} times in {role}" for role, count in bag.unordered.items() if count]
     mounting, origin = _mounting(bag) if told is None else (told, "as told")
     odometry = _rows(bag, "odometry", epoch, 5, _odometry_values)
     joystick = _rows(bag, "joystick", epoch, 2, lambda message: _axes(message, axes))
@@ -161,7 +167,8 @@ def _drive_log(path: Path, bag: _Bag, told: Pose2 | None, axes: tuple[int, int])
         command_stamp=command[:, 0],
         command=command[:, 1:],
         metadata={"source": f"ROS bag {path.name}", "epoch [ns]": str(epoch), "T_base_laser": origin}
-        | {f"{role} topic": topic for role, topic in bag.topics.items()},
+        | {f"{role} topic": topic for role, topic in bag.topics.items()}
+        | ({"sorted": f"stamps went back {', '.join(back)}"} if back else {}),
         name=path.stem,
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
@@ -55,6 +55,23 @@ def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
     raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
 
 
+def require_arms(arms: Sequence[str]) -> None:
+    """ValueError without an arm, for one that is unknown, empty or there twice."""
+    for arm in arms:
+        if arm not in ARMS + FOOTNOTE_ARMS:
+            raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
+    require_once("assistant", arms)
+
+
+def require_once(kind: str, names: Sequence[str]) -> None:
+    """ValueError without a name or for one that is there twice: each is compared with the others."""
+    if not names:
+        raise ValueError(f"there is no {kind}, must be at least one")
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"{kind} '{twice[0]}' is given {names.count(twice[0])} times, must be given once")
+
+
 def _impaired(config: ImpairedConfig, course: Course) -> Driver:
     return ImpairedDriver(course, config)
 
@@ -71,9 +88,8 @@ class DrivingStudy:
     run: RunConfig = field(default_factory=RunConfig)
 
     def __post_init__(self) -> None:
-        for arm in self.arms:
-            if arm not in ARMS + FOOTNOTE_ARMS:
-                raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
+        require_arms(self.arms)
+        require_once("course", [course.name for course in self.courses])
 
     def jobs(self) -> list[Job]:
         """One job a run, in a fixed order: course, driver, arm."""
@@ -121,14 +137,8 @@ def run_driving_study(
     processes: int | None = None,
 ) -> DrivingResult:
     """Runs a study over processes; its result does not depend on their number."""
-    jobs = study.jobs()
-    traces: dict[int, DriveTrace] = {}
-    for index, trace in run_jobs(jobs, processes):
-        traces[index] = trace
-        if progress is not None:
-            progress(len(traces), len(jobs))
-    ordered = tuple(traces[i] for i in range(len(jobs)))
-    return DrivingResult(study, ordered, tuple(metric_rows(ordered, _model(study.model))))
+    traces = run_jobs(study.jobs(), progress, processes)
+    return DrivingResult(study, traces, tuple(metric_rows(traces, _model(study.model))))
 
 
 def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> list[dict[str, Any]]:

@@ -6,22 +6,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from lfdcore import __version__
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.study.courses import Course, training_courses
 from lfdcore.study.driving import DrivingResult
-from lfdcore.study.driving_tasks import TASK_NAMES, TaskResult
+from lfdcore.study.driving_tasks import TASK_GOALS, TASK_NAMES, TaskResult
 from lfdcore.study.plots import course_figure, demonstrations_figure
 from lfdcore.study.report import Picture, Section, write_figures, write_report
 from lfdcore.study.stage_plots import stage_figures
-from lfdcore.study.tables import driving_tables, task_tables
+from lfdcore.study.tables import REAL_COURSE, course_labels, driving_tables, headline, task_tables
 from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 INTRODUCTION = (
     "Everything here is simulated: the chair, the courses and the drivers (docs/simulated-drivers.md). Figures beside "
     "the thesis's tables come from our stand-ins, not from its users, and its courses had other walls. Every arm of a "
-    "comparison meets the same driver, seed and noise. Failures (stuck, out of time) stay in every denominator."
+    "comparison meets the same driver, seed and noise. Failures (stuck, out of time) stay in every share and "
+    "mean; only ratios to unassisted are over the drivers who completed in both arms."
 )
 STAGES = "How a demonstration becomes a path: one log, its moments chosen by rule (those with most to see)."
 _READING = (
@@ -30,22 +32,23 @@ _READING = (
 )
 
 
-def _run_picture(number: str, course: Course, traces: Sequence[DriveTrace], n: int) -> Picture:
+def _run_picture(number: str, name: str, course: Course, traces: Sequence[DriveTrace], n: int) -> Picture:
     reading = _READING.format(spacing=max(0.7, course.length / 150))
-    caption = f"As {number}: {course.name}. {course.description[:1].upper()}{course.description[1:].rstrip('.')}."
+    caption = f"As {number}: {name}. {course.description[:1].upper()}{course.description[1:].rstrip('.')}."
     driver = f"One of {n} simulated impaired drivers (seed {traces[0].seed}), the same in every panel."
     return Picture(course_figure(course, traces), f"{caption} {driver} {reading}")
 
 
 def course_pictures(result: DrivingResult) -> list[Picture]:
     """For each course the runs of the driver with the median number of contacts in the first arm."""
-    pictures = []
+    pictures, labels = [], course_labels(result.study.courses)
     for course in result.study.courses:
         runs = [trace for trace in result.traces if trace.course == course.name]
         first = sorted((int(t.collision.sum()), t.seed) for t in runs if t.assistant == result.study.arms[0])
         seed = first[len(first) // 2][1]
         chosen = [trace for trace in runs if trace.seed == seed]
-        made = _run_picture("Fig. 3.14-3.15", course, chosen, result.study.drivers)
+        number = "Fig. 3.18" if course.name == REAL_COURSE else "Fig. 3.14-3.15"
+        made = _run_picture(number, labels[course.name], course, chosen, result.study.drivers)
         rule = "Shown is the driver with the median number of contacts in the first panel."
         pictures.append(replace(made, caption=f"{made.caption} {rule}"))
     return pictures
@@ -62,9 +65,9 @@ def task_pictures(result: TaskResult) -> list[Picture]:
             for course, trace, row in zip(result.courses, result.traces, result.rows, strict=True)
             if (row["task"], row["seed"]) == (name, chosen)
         ]
-        picture = _run_picture("Fig. 3.13, 3.15", runs[0][0], [trace for _, trace in runs], len(seeds))
-        rule = "The first start at which the arms differ in success, if there is one."
-        pictures.append(Picture(picture.figure, f"{TASK_NAMES[name].capitalize()}. {picture.caption} {rule}"))
+        made = _run_picture("Fig. 3.13, 3.15", TASK_NAMES[name], runs[0][0], [t for _, t in runs], len(seeds))
+        rule = "The first start at which the arms differ in success, if there is one, else the first."
+        pictures.append(replace(made, caption=f"{made.caption} {rule} {TASK_GOALS[name]}"))
     return pictures
 
 
@@ -80,19 +83,19 @@ def demonstration_pictures(logs: Sequence[DriveLog]) -> list[Picture]:
         return []
     metres = sum(courses[log.name].length for log in known)
     caption = (
-        f"As Fig. 3.12: demonstrations (red) in the furnished home, n {len(known)} drives of about {metres:.0f} m by a "
-        "simulated expert, by odometry."
+        f"As Fig. 3.12: demonstrations (red) in the furnished home, n {len(known)} drives, together about {metres:.0f} "
+        "m, by a simulated expert, by odometry."
     )
     return [Picture(demonstrations_figure([courses[log.name] for log in known], known), caption)]
 
 
 def stage_section(model: DriveAssistantModel, logs: Sequence[DriveLog]) -> Section:
-    """Fig. 3.7-3.12 from demonstrations; the stages are those of the first log."""
+    """Fig. 3.7-3.12 from demonstrations; the stages are those of the first log, the primitives those of all."""
     origin = f"Simulated expert, log {logs[0].name}."
     return Section(
         "From demonstrations to a path",
         STAGES,
-        pictures=[*demonstration_pictures(logs), *stage_figures(model, logs[0], origin=origin)],
+        pictures=[*demonstration_pictures(logs), *stage_figures(model, logs[0], origin=origin, others=logs[1:])],
     )
 
 
@@ -103,14 +106,14 @@ def write_driving_report(
     *,
     demonstrations: Sequence[Path] = (),
     tasks: TaskResult | None = None,
+    command: str = "",
 ) -> Path:
     """Writes report.html and figures.json into `folder` -> the report's path.
 
     demonstrations: the drive logs that the study's model learned from, for the pictures of the stages; tasks: their
-    tables and pictures come after the courses'. The same results give the same bytes.
+    tables and pictures come after the courses'; command: what repeats the report. The same results give the same bytes.
     """
-    memory = f"The study's {len(result.traces)} runs hold {result.nbytes / 1e6:.1f} MB without their scans."
-    sections = [Section("Driving", INTRODUCTION + "\n\n" + memory, driving_tables(result), course_pictures(result))]
+    sections = [Section("Driving", INTRODUCTION, driving_tables(result), course_pictures(result))]
     rows = list(result.rows)
     if tasks is not None:
         sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
@@ -119,4 +122,11 @@ def write_driving_report(
         logs = [open_log(path) for path in demonstrations]
         sections.append(stage_section(DriveAssistantModel.load(result.study.model), logs))
     write_figures(folder / "figures.json", rows)
-    return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more])
+    lead, origin = headline(result), _origin(result, command)
+    return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more], lead, origin)
+
+
+def _origin(result: DrivingResult, command: str) -> str:
+    runs = f"{len(result.traces)} runs, {result.nbytes / 1e6:.1f} MB in memory without their scans"
+    made = f"lfdcore {__version__}, seed {result.study.seed}; {runs}."
+    return f"{made} Made by: `{command}`" if command else made

@@ -10,8 +10,9 @@ from typing import Any
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import Course, Task, doorway_and_docking, narrow_gap
+from lfdcore.study.courses.tasks import DOCKING_DISTANCE
 from lfdcore.study.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
-from lfdcore.study.driving import ARMS, make_assistant
+from lfdcore.study.driving import ARMS, make_assistant, require_arms, require_once
 from lfdcore.study.metrics import reversals, stuck_time
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -20,6 +21,16 @@ TASKS: dict[str, Callable[[int], Task]] = {"doorway_and_docking": doorway_and_do
 TASK_NAMES = {"doorway_and_docking": "doorway, then docking", "narrow_gap": "narrow gap (.90 m)"}
 DOCKING_SPEED = 0.2
 """A chair beside its table counts as docked when it is no faster than this [m/s]: it stops within a few cm."""
+TASK_GOALS = {
+    "doorway_and_docking": (
+        f"Reached means docked: at the end of the run the chair's outline is within {DOCKING_DISTANCE:g} m of the "
+        f"table; the run ends once that is so at no more than {DOCKING_SPEED:g} m/s, or when its time is over."
+    ),
+    "narrow_gap": (
+        "Reached: the whole chair is behind the wall with the gap; the run ends then, or when its time is over."
+    ),
+}
+"""What counts as reached, for readers of a table."""
 
 
 class TaskDriver(ImpairedDriver):
@@ -55,6 +66,8 @@ class TaskStudy:
     run: RunConfig = field(default_factory=RunConfig)
 
     def __post_init__(self) -> None:
+        require_arms(self.arms)
+        require_once("task", self.tasks)
         for name in self.tasks:
             if name not in TASKS:
                 raise ValueError(f"task is '{name}', must be one of {', '.join(TASKS)}")
@@ -123,11 +136,6 @@ def run_task_study(
         )
         for _, task, arm, config in plan
     ]
-    traces: dict[int, DriveTrace] = {}
-    for index, trace in run_jobs(jobs, processes):
-        traces[index] = trace
-        if progress is not None:
-            progress(len(traces), len(jobs))
-    ordered = tuple(traces[i] for i in range(len(jobs)))
-    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, ordered, strict=True))
-    return TaskResult(study, rows, ordered, tuple(job.course for job in jobs))
+    traces = run_jobs(jobs, progress, processes)
+    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, traces, strict=True))
+    return TaskResult(study, rows, traces, tuple(job.course for job in jobs))

@@ -53,7 +53,12 @@ def prediction_errors(steering: Array) -> Array:
 
 
 def entropy_baseline(steering: Array) -> float:
-    """Alpha: the 90th percentile of the prediction errors' magnitude, in the unit of `steering` (Fig. E.2)."""
+    """Alpha: the 90th percentile of the prediction errors' magnitude, in the unit of `steering` (Fig. E.2).
+
+    NaN for a series (T,) shorter than 4 samples.
+    """
+    if len(steering) < 4:
+        return float("nan")
     return float(np.percentile(np.abs(prediction_errors(steering)), 90))
 
 

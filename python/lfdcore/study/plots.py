@@ -52,8 +52,8 @@ CONTACT, DEMONSTRATION = "#c1121f", "#c1121f"
 ARM_NAMES = {
     "none": "unassisted",
     "dwa": "DWA",
-    "primitives": "assisted (learned)",
-    "thesis": "assisted, as printed",
+    "primitives": "primitives (learned)",
+    "thesis": "primitives, as printed",
     "supervisor": "supervisor only",
 }
 _SMALLEST_SCALE = 0.12  # [in/m] panels that would be smaller stand below each other

@@ -16,6 +16,7 @@ when the model was learned. `own` divides them by the log's own limits.
 from __future__ import annotations
 
 import dataclasses
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -170,7 +171,11 @@ def with_stick(
 ) -> DriveLog:
     """The log with the driver's input; recorded ones are left alone. See the module for what `meaning` decides; a
     model that does not say what full deflection meant (of several demonstrations: the geometric mean) leaves `own`."""
-    said = np.array(model.metadata.get("full_deflection", []), float).reshape(-1, 2)
+    told = model.metadata.get("full_deflection", [])
+    try:
+        said = np.array(told, float).reshape(-1, 2)
+    except (TypeError, ValueError) as error:
+        raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
     if meaning is StickMeaning.own or not len(said):
         return joystick_from_motion(log)
     if not (np.isfinite(said).all() and (said > 0).all()):

@@ -6,9 +6,12 @@ seed and on k only.
 
 from __future__ import annotations
 
+import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Iterator
+import signal
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -198,18 +201,41 @@ class Job:
         )
 
 
-def run_jobs(jobs: Iterable[Job], processes: int | None = None) -> Iterator[tuple[int, DriveTrace]]:
-    """Runs jobs over processes; yields (index, trace) as they finish. The traces do not depend on their number."""
-    jobs = list(jobs)
-    count = processes or os.cpu_count() or 1
+def run_jobs(
+    jobs: Sequence[Job], progress: Callable[[int, int], None] | None = None, processes: int | None = None
+) -> tuple[DriveTrace, ...]:
+    """Runs jobs over processes -> their traces in the jobs' order; they do not depend on the number of processes.
+
+    progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, within their jobs.
+    """
+    count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
     if count == 1:
-        yield from ((i, job.run()) for i, job in enumerate(jobs))
-        return
+        traces: list[DriveTrace] = []
+        for job in jobs:
+            traces.append(job.run())
+            tell(len(traces), len(jobs))
+        return tuple(traces)
+    others = set(multiprocessing.active_children())
     with ProcessPoolExecutor(max_workers=count) as pool:
-        futures = {pool.submit(job.run): i for i, job in enumerate(jobs)}
         try:
-            for future in as_completed(futures):
-                yield futures[future], future.result()
-        except BaseException:  # a failure or Ctrl-C: do not first drive all that is still queued
+            with _interrupt_masked():
+                futures = [pool.submit(job.run) for job in jobs]
+            for done, future in enumerate(as_completed(futures), 1):
+                future.result()
+                tell(done, len(jobs))
+        except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
             raise
+    return tuple(future.result() for future in futures)
+
+
+@contextmanager
+def _interrupt_masked() -> Iterator[None]:
+    """Processes started meanwhile never see Ctrl-C, which a terminal sends to all: this one ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

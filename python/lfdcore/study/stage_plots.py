@@ -197,6 +197,9 @@ def _colour(colours: ScalarMappable, index: int) -> str:
     return to_hex(colours.cmap(colours.norm(np.degrees(bin_heading(index)))))
 
 
+_FEW = 8
+
+
 def _in_bin(paths: LocalPaths, index: int) -> list[Array]:
     """The paths of a bin with the mirror images of the opposite one's."""
     flip = np.array([1.0, -1.0])
@@ -207,7 +210,8 @@ def _in_bin(paths: LocalPaths, index: int) -> list[Array]:
 def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPaths, colour: str) -> None:
     own = _in_bin(paths, int(primitives.bins[which]))
     shown = own[:: max(1, len(own) // 60)]
-    axes.add_collection(LineCollection([p[:, ::-1] for p in shown], colors="#aab0b8", linewidths=0.5))
+    width = 0.5 if len(own) > _FEW else 4.5  # few lie close to their mean: wide enough to be seen below it
+    axes.add_collection(LineCollection([p[:, ::-1] for p in shown], colors="#aab0b8", linewidths=width))
     _line(axes, primitives.shapes[which], colour, 2.0)
     _dot(axes, primitives.ends[which], colour, 4.0)
     heading = np.degrees(bin_heading(int(primitives.bins[which])))
@@ -315,11 +319,13 @@ def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) 
     if planned.source == "hybrid_astar":
         _line(c, planned.path, BEAM, 1.8, zorder=4.5)
     _line(c, drawn, "#e6194b", 1.0, zorder=4)
-    figure.colorbar(reward, ax=a, shrink=0.62, label="reward")
-    figure.colorbar(value, ax=b, shrink=0.62, label="value", extend="min")
+    for image, axes, label, extend in ((reward, a, "reward", "neither"), (value, b, "value", "min")):
+        bar = figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, extend=extend)
+        bar.set_label(label)
     for axes, title in ((a, "A  reward and primitive"), (b, "B  value and DPP path"), (c, "C  pursuit rolled out")):
         _front_axes(axes)
         axes.set_title(title)
+        axes.set_anchor("N")
     return figure
 
 
@@ -373,17 +379,23 @@ def _end_counts(paths: LocalPaths) -> str:
 
 
 def stage_figures(
-    model: DriveAssistantModel, log: DriveLog, config: DriveAssistantConfig | None = None, origin: str = ""
+    model: DriveAssistantModel,
+    log: DriveLog,
+    config: DriveAssistantConfig | None = None,
+    origin: str = "",
+    others: Sequence[DriveLog] = (),
 ) -> list[Picture]:
     """Fig. 3.7-3.11 from a demonstration log: the moments are chosen by rule (telling_moments).
 
-    `origin` says in the captions where the log is from. ValueError if the log holds no local path.
+    `origin` says in the captions where the log is from; `others` are the further logs that the model learned from, for
+    the paths behind its primitives. ValueError if the log holds no local path.
     """
     config = config or DriveAssistantConfig()
     paths = extract_local_paths(log)
     if not len(paths):
         raise ValueError(f"log {log.name!r} holds no local path: there is no stage to draw")
     source = origin or f"Log {log.name}."
+    demonstrated = f"All {1 + len(others)} logs." if others else source
     pictures = [
         Picture(
             local_paths_figure(log, paths),
@@ -407,10 +419,10 @@ def stage_figures(
         )
     pictures.append(
         Picture(
-            primitives_figure(model.primitives, paths),
+            primitives_figure(model.primitives, LocalPaths.concatenate([paths, *map(extract_local_paths, others)])),
             f"As Fig. 3.9: the {len(model.primitives)} path primitives that were learned; n counts the paths behind "
-            "each, mirror images included. Grey: those of this log, before they are scaled to their average end. "
-            f"{source}",
+            "each, mirror images included. Grey: those paths before they are scaled to their average end, wider where "
+            f"they are few, thinned out where they are many. {demonstrated}",
         )
     )
     for moment in moments.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +37,33 @@ def summarise(values: ArrayLike) -> Summary:
     sd = float(good.std(ddof=1))
     half = float(stats.t.ppf(0.975, n - 1)) * sd / np.sqrt(n)
     return Summary(n, len(x) - n, mean, sd, mean - half, mean + half)
+
+
+def summarise_bounded(values: ArrayLike, seed: int = 1, draws: int = 4000) -> Summary:
+    """As summarise, but with the 95 % percentile interval of a bootstrap, for counts and shares of values (n,).
+
+    It cannot leave the range of the values, as Student's does near a bound; of few values it is too narrow. The same
+    seed gives the same interval.
+    """
+    s = summarise(values)
+    if s.n < 2:
+        return s
+    x = np.asarray(values, float)
+    low, high = block_bootstrap(x[np.isfinite(x)][:, None], np.arange(s.n), seed, draws)
+    return replace(s, low=float(low[0]), high=float(high[0]))
+
+
+def paired_ratio(a: ArrayLike, b: ArrayLike, both: ArrayLike) -> tuple[float, int]:
+    """Mean of b over mean of a (n,), of the finite pairs for which `both` holds -> ratio, number of those pairs.
+
+    The ratio is NaN without a pair.
+    """
+    x, y, used = np.asarray(a, float), np.asarray(b, float), np.asarray(both, bool)
+    if not x.shape == y.shape == used.shape:
+        raise ValueError(f"paired samples have shapes {x.shape}, {y.shape} and {used.shape}, must be equal")
+    used = used & np.isfinite(x) & np.isfinite(y)
+    n = int(used.sum())
+    return (float(y[used].mean() / x[used].mean()) if n and x[used].any() else float("nan")), n
 
 
 def proportion(successes: int, n: int) -> tuple[float, float, float]:

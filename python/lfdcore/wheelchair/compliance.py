@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 _DIRECTIONS = 72  # bins of 5 degrees
+SIGMA = (1e-3, 1e3)
+"""Bounds of every Gaussian's width: beyond, it answers 0 or 1 whatever it is asked"""
+MOST_CENTRES = 1_000_000
+"""of one network (as RbfNetworkConfig)"""
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,11 @@ class ComplianceConfig:
     mirror: bool = True
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.look_ahead) and self.look_ahead > 0):
-            raise ValueError(f"look_ahead is {self.look_ahead} m, must be positive and finite")
+        require_between("sigma", self.sigma, *SIGMA)
+        require_between("look_ahead", self.look_ahead, 0.01, 100, " m")
+        require_between("threshold", self.threshold, 0, 1)
+        require_between("max_centres", self.max_centres, 1, MOST_CENTRES)
+        require_between("dead_zone", self.dead_zone, 0, 1)
         rising = list(self.shares) == sorted(set(self.shares))
         if not self.shares or not rising or not all(0 < share <= 1 for share in self.shares):
             raise ValueError(
@@ -132,6 +139,12 @@ class ComplianceModel:
         values = self.compliances(centres, joystick)
         values[np.hypot(*centres.T) > self.config.look_ahead] = 0.0
         return values.reshape(CELLS, CELLS).astype(np.float32)
+
+
+def require_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """ValueError naming a config's field unless low <= value <= high; NaN is not between."""
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value}{unit}, must be between {low:g} and {high:g}{unit}")
 
 
 def checked_joystick(joystick: Floats) -> Floats:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from lfdcore.estimation import RbfNetworkBank, RbfNetworkConfig
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
-from lfdcore.wheelchair.compliance import checked_joystick
+from lfdcore.wheelchair.compliance import MOST_CENTRES, SIGMA, checked_joystick, require_between
 from lfdcore.wheelchair.window import CELLS, cell_keys, key_centres
 
 if TYPE_CHECKING:
@@ -51,13 +51,12 @@ class IntentionConfig:
 
     def __post_init__(self) -> None:
         for name in ("sigma_joystick", "sigma_range"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise ValueError(f"{name} is {getattr(self, name)}, must be positive and finite")
-        for name in ("frequency", "floor"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} is {getattr(self, name)}, must be between 0 and 1")
-        if not (np.isfinite(self.blur) and 0 <= self.blur <= CELLS):
-            raise ValueError(f"blur is {self.blur} cells, must be between 0 and {CELLS}")
+            require_between(name, getattr(self, name), *SIGMA)
+        for name in ("threshold", "frequency", "floor", "dead_zone"):
+            require_between(name, getattr(self, name), 0, 1)
+        require_between("max_centres", self.max_centres, 1, MOST_CENTRES)
+        require_between("blur", self.blur, 0, CELLS, " cells")
+        require_between("slack", self.slack, 0, WINDOW, " m")
 
     @classmethod
     def thesis(cls) -> IntentionConfig:

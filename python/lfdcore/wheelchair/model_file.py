@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import reprlib
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,21 @@ if TYPE_CHECKING:
 
 KIND, VERSION = "lfdcore drive assistant", 1
 _BANK = ("keys", "offsets", "centres", "weights")
+_LAYOUT = {
+    **{f"{part}.{name}": ("int32", 1) for part in ("intention", "compliance") for name in ("keys", "offsets")},
+    **{f"{part}.centres": ("float64", 2) for part in ("intention", "compliance")},
+    **{f"{part}.weights": ("float64", 1) for part in ("intention", "compliance")},
+    "intention.frequencies": ("float64", 1),
+    "primitives.ends": ("float64", 2),
+    "primitives.shapes": ("float64", 3),
+    "primitives.bins": ("int32", 1),
+    "primitives.counts": ("int32", 1),
+}
+"""dtype and dimensions of each array in the file; the parts of the model check how their lengths fit together"""
+LARGEST = 1e100
+"""No number in a model is beyond: products of any two stay finite"""
+MOST_CLEARANCE = 100.0
+"""[m] that a model may have learned to keep"""
 
 
 @dataclass(frozen=True)
@@ -110,6 +126,10 @@ class DriveAssistantModel:
 
     @classmethod
     def _from_parts(cls, header: dict[str, Any], tensors: Tensors) -> DriveAssistantModel:
+        _require_layout(tensors)
+        metadata = header["metadata"]
+        if not isinstance(metadata, dict):
+            raise ValueError(f"metadata is {_short(metadata)}, must be names and values")
         intention: IntentionConfig = _config(IntentionConfig, header["intention"])
         compliance: ComplianceConfig = _config(ComplianceConfig, header["compliance"])
         primitives = PathPrimitives(*(tensors[f"primitives.{name}"] for name in ("ends", "shapes", "bins", "counts")))
@@ -118,14 +138,35 @@ class DriveAssistantModel:
             primitives,
             ComplianceModel(_bank(tensors, "compliance", compliance.sigma), compliance),
             _clearance(header["clearance"]),
-            dict(header["metadata"]),
+            metadata,
         )
 
 
-def _clearance(value: float) -> float:
-    if not (np.isfinite(value) and value >= 0):
-        raise ValueError(f"clearance is {value} m, must be finite and not negative")
+def _short(value: Any) -> str:
+    return repr(value) if isinstance(value, float) else reprlib.repr(value)
+
+
+def _require_layout(tensors: Tensors) -> None:
+    if tensors.keys() != _LAYOUT.keys():
+        raise ValueError(f"it has the arrays {sorted(tensors)}, must have {sorted(_LAYOUT)}")
+    for name, (kind, dimensions) in _LAYOUT.items():
+        array = tensors[name]
+        if array.dtype != kind or array.ndim != dimensions:
+            raise ValueError(
+                f"{name} has shape {array.shape} of {array.dtype}, must be {kind} with {dimensions} dimensions"
+            )
+        if not (np.abs(array, dtype=np.float64) <= LARGEST).all():
+            raise ValueError(f"{name} holds NaN or a number beyond {LARGEST:g}")
+
+
+def _clearance(value: Any) -> float:
+    if not (_is_number(value) and 0 <= value <= MOST_CLEARANCE):
+        raise ValueError(f"clearance is {_short(value)} m, must be a number between 0 and {MOST_CLEARANCE:g}")
     return float(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int) and not isinstance(value, bool)
 
 
 def _bank(tensors: Tensors, part: str, sigma: float) -> RbfNetworkBank:
@@ -135,9 +176,23 @@ def _bank(tensors: Tensors, part: str, sigma: float) -> RbfNetworkBank:
 
 def _config(kind: type[Any], values: dict[str, Any]) -> Any:
     names = {item.name for item in fields(kind)}
-    if set(values) != names:
-        raise ValueError(f"{kind.__name__} has the fields {sorted(names)}, the file has {sorted(values)}")
+    if not isinstance(values, dict) or set(values) != names:
+        raise ValueError(f"{kind.__name__} has the fields {sorted(names)}, the file has {_short(values)}")
+    for item in fields(kind):
+        _require_kind(f"{kind.__name__}.{item.name}", values[item.name], item.default)
     return kind(**{name: tuple(value) if isinstance(value, list) else value for name, value in values.items()})
+
+
+def _require_kind(name: str, value: Any, example: Any) -> None:
+    """A field's default says what the file must have: true or false, a whole number, a number, or several."""
+    if isinstance(example, tuple):
+        fits = isinstance(value, list) and all(map(_is_number, value))
+    elif isinstance(example, float):
+        fits = _is_number(value)
+    else:
+        fits = type(value) is type(example)
+    if not fits:
+        raise ValueError(f"{name} is {_short(value)}, must be like {example}")
 
 
 def learn_drive(

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+NEAREST_END = 1e-6
+"""[m] from the origin: a path that ends nearer has no direction"""
+
 
 @dataclass(frozen=True)
 class PathPrimitiveConfig:
@@ -39,15 +42,23 @@ class PathPrimitives:
     origin to that end point, bins (K,) which bin, counts (K,) of how many paths. In base_link at the path's start."""
 
     def __init__(self, ends: Floats, shapes: Floats, bins: NDArray[np.int32], counts: NDArray[np.int32]) -> None:
-        count = len(ends)
+        """ValueError for arrays that do not fit together, are not finite, or hold a shape that is no path from the
+        origin to its end, away from it."""
+        ends, shapes = np.asarray(ends, dtype=np.float64), np.asarray(shapes, dtype=np.float64)
+        bins, counts = np.asarray(bins, dtype=np.int32), np.asarray(counts, dtype=np.int32)
+        count = len(np.atleast_1d(ends))
         if not count:
             raise ValueError("there is no path primitive: no local path has an end away from its start")
         if ends.shape != (count, 2) or shapes.ndim != 3 or shapes.shape[::2] != (count, 2) or shapes.shape[1] < 2:
             raise ValueError(f"primitives have ends of shape {ends.shape} and shapes of shape {shapes.shape}")
         if bins.shape != (count,) or counts.shape != (count,):
             raise ValueError(f"{count} primitives have {bins.shape} bins and {counts.shape} counts")
-        if not (np.isfinite(ends).all() and np.isfinite(shapes).all() and (np.hypot(*ends.T) > 0).all()):
-            raise ValueError("primitives must be finite and end away from the origin")
+        far = 1 / NEAREST_END  # [m]
+        if not ((np.abs(ends) <= far).all() and (np.abs(shapes) <= far).all()):
+            raise ValueError(f"primitives must be finite, within {far:g} m of the origin")
+        _require_paths_to(ends, shapes)
+        if not ((bins >= 0).all() and (np.diff(bins) > 0).all() and (counts > 0).all()):
+            raise ValueError(f"primitives have bins {bins} and counts {counts}, must rise from 0 and be positive")
         self.ends, self.shapes, self.bins, self.counts = ends, shapes, bins, counts
         self._unit = _complex(shapes) / _complex(ends)[:, None]  # ends at 1 + 0i
 
@@ -68,7 +79,7 @@ class PathPrimitives:
             curves, goal = np.concatenate([curves, curves * flip]), np.concatenate([goal, goal * flip])
             end_yaw = np.concatenate([end_yaw, -end_yaw])
         bins = orientation_bin(end_yaw, config.bins)
-        found = [b for b in range(config.bins) if np.hypot(*goal[bins == b].sum(0)) > 1e-6]
+        found = [b for b in np.unique(bins) if np.hypot(*goal[bins == b].mean(0)) >= NEAREST_END]
         means = [goal[bins == b].mean(0) for b in found]
         shapes = [
             _points((_complex(curves[bins == b]) / _complex(goal[bins == b])[:, None]).mean(0) * complex(*mean))
@@ -97,11 +108,21 @@ class PathPrimitives:
 
     def scaled_to_all(self, goals: Floats) -> Floats:
         """scaled_to for goals (N, 2) [m] -> (N, points, 2)."""
-        if not (np.isfinite(goals).all() and (np.hypot(*goals.T) > 1e-6).all()):
+        if not (np.isfinite(goals).all() and (np.hypot(*goals.T) > NEAREST_END).all()):
             raise ValueError(
                 "a goal is not finite or lies at the origin (0, 0) m: no path primitive can be scaled to it"
             )
         return _points(self._unit[self.nearest(goals)] * _complex(goals)[:, None])
+
+
+def _require_paths_to(ends: Floats, shapes: Floats) -> None:
+    length = np.hypot(*ends.T)
+    astray = np.maximum(np.hypot(*shapes[:, 0].T), np.hypot(*(shapes[:, -1] - ends).T))
+    for k in range(len(ends)):
+        if not length[k] >= NEAREST_END:
+            raise ValueError(f"primitive {k} ends {length[k]:g} m from the origin, must be at least {NEAREST_END:g} m")
+        if not astray[k] <= 1e-6 * max(1.0, length[k]):
+            raise ValueError(f"primitive {k} is a shape that misses the origin or its end by {astray[k]:g} m")
 
 
 def orientation_bin(yaw: Floats, bins: int = 17) -> NDArray[np.intp]:

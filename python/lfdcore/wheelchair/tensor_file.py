@@ -24,18 +24,38 @@ Tensors = dict[str, NDArray[Any]]
 def write_tensor_file(
     path: str | os.PathLike[str], kind: str, version: int, header: dict[str, Any], tensors: Tensors
 ) -> None:
-    """Writes the arrays and a JSON header (plus kind and version) to `path`, replacing it in one step."""
+    """Writes the arrays and a JSON header (plus kind and version) to `path`, replacing it in one step.
+
+    ValueError where `path` is a folder, a pipe or a device.
+    """
     text = json.dumps({**header, "format": kind, "version": version}, sort_keys=True, allow_nan=False)
     data = save({name: np.ascontiguousarray(array) for name, array in tensors.items()}, metadata={_KEY: text})
     target = Path(path)
+    if target.exists() and not target.is_file():
+        raise ValueError(f"{target}: exists and is no regular file, so no model is written there")
     part = target.with_name(target.name + ".part")
-    part.write_bytes(data)
-    os.replace(part, target)
+    try:
+        part.write_bytes(data)
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def is_tensor_file(path: str | os.PathLike[str]) -> bool:
+    """True for a file that begins as safetensors do, whatever its name: 8 bytes of length, then that much JSON."""
+    path = Path(path)
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(9)
+    return head[8:] == b"{" and int.from_bytes(head[:8], "little") <= path.stat().st_size - 8
 
 
 def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> tuple[dict[str, Any], Tensors]:
     """-> header, arrays. ModelError for a file that is truncated, garbled, of another kind or version; OSError if it
     cannot be opened."""
+    if not Path(path).is_file() and Path(path).exists():  # a pipe would be waited for
+        raise ModelError(f"{path} is no regular file, so no model")
     with Path(path).open("rb"):  # a missing file is the system's own error
         pass
     try:

@@ -1,7 +1,10 @@
 """Bad input at the command line and in maps: one clear line, nothing replaced that is not ours."""
 
 import os
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +20,9 @@ from lfdcore.control import (
 )
 from lfdcore.datasets import DriveLog, read_map, write_map
 from lfdcore.errors import DataError
-from lfdcore.geometry import Footprint, MotionLimits, Twist2
+from lfdcore.geometry import Footprint, MotionLimits, Twist2, resample
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
-from lfdcore.planning import HybridAstar
+from lfdcore.planning import HybridAstar, baseline_preference
 
 BOMB = "a0: &a0 [x, x, x, x]\n" + "".join(f"a{i + 1}: &a{i + 1} [{', '.join([f'*a{i}'] * 9)}]\n" for i in range(12))
 
@@ -134,3 +137,115 @@ def test_study_refuses_a_model_that_is_missing_before_it_drives(
 
 def test_a_seed_that_no_generator_takes_is_wrong_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert outcome(monkeypatch, "study", "driving", "-o", tmp_path, "--seed", 2**64) == 2
+
+
+@pytest.mark.parametrize(
+    ("arms", "told"),
+    [
+        ("none,dwa,none", "assistant 'none' is given 2 times"),
+        ("none,,dwa", "assistant is ''"),
+        ("", "assistant is ''"),
+    ],
+)
+def test_study_refuses_assistants_that_are_empty_or_given_twice(
+    arms: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert outcome(monkeypatch, "study", "driving", "-o", tmp_path / "out", "--assistants", arms) == 1
+    said = capsys.readouterr().err
+    assert told in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_study_refuses_a_course_given_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], home_model: Path
+) -> None:
+    courses = "standard_course,standard_course"
+    arguments = ("-o", tmp_path / "out", "--courses", courses, "--model", home_model)
+    assert outcome(monkeypatch, "study", "driving", *arguments) == 1
+    assert capsys.readouterr().err == "lfdcore: course 'standard' is given 2 times, must be given once\n"
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["model", "model.bin", "model.mcap", "model.yml.old"])
+def test_info_knows_a_model_by_what_it_holds(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], home_model: Path
+) -> None:
+    (tmp_path / name).write_bytes(home_model.read_bytes())
+    assert outcome(monkeypatch, "info", tmp_path / name) == 0
+    assert "drive assistant model" in capsys.readouterr().out
+
+
+def test_info_does_not_wait_for_a_pipe(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert outcome(monkeypatch, "info", tmp_path / "pipe") == 1
+    assert "no regular file" in capsys.readouterr().err
+
+
+def worker_pids(parent: int) -> list[str]:
+    return Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs Linux's /proc to see the workers")
+@pytest.mark.parametrize("everyone", [True, False], ids=["as a terminal does", "the parent alone"])
+def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
+    everyone: bool, tmp_path: Path, home_model: Path
+) -> None:
+    arguments = ["study", "driving", "-o", str(tmp_path), "--model", str(home_model), "--processes", "2"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "lfdcore", *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as study:
+        deadline = time.monotonic() + 60
+        while len(workers := worker_pids(study.pid)) < 2 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert len(workers) == 2
+        (os.killpg if everyone else os.kill)(study.pid, signal.SIGINT)
+        _, said = study.communicate(timeout=20)  # 0.4 s on an idle machine; the study would take a minute or more
+    assert study.returncode == 130
+    assert said.splitlines()[-1] == "lfdcore: interrupted"
+    assert "Traceback" not in said
+    assert "Error" not in said
+    assert not [worker for worker in workers if Path(f"/proc/{worker}").exists()]
+
+
+@pytest.mark.parametrize(
+    ("path", "count", "told"),
+    [
+        ([[0, 0], [1, 0]], 10**12, r"count is 1e\+12 points, must be between 2 and 1e\+06"),
+        ([[0, 0], [1, 0]], 1, "count is 1 points"),
+        ([[0, 0], [1, 0]], -5, "count is -5 points"),
+        ([[0, 0], [np.nan, 0]], 5, r"path point 1 is \(nan, 0\.0+\) m, must be finite"),
+        ([[-1e308, 0], [1e308, 0]], 5, "length of the path is inf m"),
+        (np.zeros((0, 2)), 5, "without points"),
+    ],
+)
+def test_no_path_is_resampled_to_what_it_cannot_be(path: list[list[float]], count: int, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        resample(np.array(path, float), count)
+
+
+@pytest.mark.parametrize(
+    ("cells", "shape", "probability", "inverse_temperature", "told"),
+    [
+        (
+            [[0, 0], [1, 0]],
+            (10**6, 10**6),
+            0.9,
+            0.001,
+            r"number of cells is 1e\+12 cells, must be between 1 and 1e\+07",
+        ),
+        ([[0, 0], [1, 0]], (0, 5), 0.9, 0.001, "grid is 0 x 5 cells"),
+        ([[0, 0], [1, 0]], (5, 5), np.nan, 0.001, "probability is nan"),
+        ([[0, 0], [1, 0]], (5, 5), 0.9, np.nan, "inverse_temperature is nan"),
+        ([[0, 0], [1, 0]], (5, 5), 0.9, 1e-310, "inverse_temperature is -inf reward"),
+        ([[0, 0], [-(2**31), 2**31 - 1]], (5, 5), 0.9, 0.001, r"path cell 0 is \(0, 0\)"),
+        ([[0, 0], [2**40, 0]], (5, 5), 0.9, 0.001, "beyond 32 bits"),
+    ],
+)
+def test_no_baseline_is_made_of_what_has_no_preference(
+    cells: list[list[int]], shape: tuple[int, int], probability: float, inverse_temperature: float, told: str
+) -> None:
+    with pytest.raises(ValueError, match=told):
+        baseline_preference(np.array(cells), shape, probability, inverse_temperature)

@@ -220,7 +220,10 @@ def test_learn_gives_the_same_bytes_twice_and_another_model_with_the_preset(
 def test_study_driving_writes_a_report_and_json(model: Path, tmp_path: Path, cli: Cli) -> None:
     arguments = ("--courses", "flat", "--assistants", "none,dwa", "--drivers", 1, "--processes", 1, "--model", model)
     said = facts(cli("study", "driving", "-o", tmp_path, "--json", *arguments))
-    assert Path(said["report"]).read_text().startswith("<!")
+    report = Path(said["report"]).read_text()
+    assert report.startswith("<!")
+    assert f"lfdcore {lfdcore.__version__}, seed 1" in report
+    assert "--courses flat --assistants none,dwa --drivers 1 --task-starts 20 --seed 1" in report
     assert [row["assistant"] for row in said["rows"]] == ["none", "dwa"]
     assert all(row["time"] > 10 for row in said["rows"])
 

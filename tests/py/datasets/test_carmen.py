@@ -165,3 +165,19 @@ def test_garbled_text_is_read_or_refused_but_never_crashes(
         read_carmen(path)
     except DataError as error:
         assert "drive.log" in str(error)
+
+
+def test_every_line_that_is_left_out_is_counted(tmp_path: Path) -> None:
+    text = flaser(1, [1.0] * 180) + odom(1, 0) + odom(0, 1) + odom(-2, 1) + odom(1, 2) + odom(2, 3)
+    log = read_carmen(write(tmp_path, text + "RLASER 180 1 2\nROBOTLASER1 0\nROBOTLASER1 0\nSYNC x\n"))
+    assert len(log.odometry_stamp) == 2
+    assert log.metadata["dropped"] == (
+        "lines: 1 ODOM not forward in time, 2 ODOM without a time, 1 RLASER, 2 ROBOTLASER1"
+    )
+    assert "dropped" not in read_carmen(write(tmp_path, flaser(1, [1.0] * 180) + odom(1, 0))).metadata
+
+
+def test_beams_that_change_from_180_to_361_are_refused_not_left_out(tmp_path: Path) -> None:
+    text = "".join(flaser(k, [1.0] * beams) for k, beams in enumerate((180, 180, 361, 180), 1))
+    with pytest.raises(DataError, match="line 3: a scan of 361 beams, the first has 180"):
+        read_carmen(write(tmp_path, text))

@@ -11,7 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lfdcore.datasets import DriveLog, DriveLogWriter, Intention, Plan, drive_log_reader, read_drive_log
+from lfdcore.datasets import (
+    DriveLog,
+    DriveLogWriter,
+    Intention,
+    Plan,
+    drive_log_reader,
+    joystick_from_motion,
+    read_drive_log,
+)
 from lfdcore.datasets.ros_messages import TOPICS
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, Twist2
@@ -335,3 +343,50 @@ def test_a_log_that_cannot_be_saved_leaves_the_old_file_alone(small_log: DriveLo
         dataclasses.replace(small_log, scan_stamp=[-1.0, 0, 0, 0]).save(small_file)
     assert small_file.read_bytes() == before
     assert [p.name for p in small_file.parent.iterdir()] == ["small.mcap"]
+
+
+@pytest.fixture
+def careless_writer(writer: DriveLogWriter, monkeypatch: pytest.MonkeyPatch) -> DriveLogWriter:
+    """A recorder that writes whatever stamps it is given."""
+    monkeypatch.setattr(DriveLogWriter, "_time", lambda self, topic, stamp: round(stamp * 1e9))
+    return writer
+
+
+def test_beams_that_change_midway_are_refused_with_the_first_stamp_that_differs(
+    careless_writer: DriveLogWriter, tmp_path: Path
+) -> None:
+    with careless_writer as log:
+        for stamp, beams in ((1.0, 3), (2.0, 3), (3.0, 5), (4.0, 3)):
+            log.scan(stamp, LaserScan([1.0] * beams, -1.0, 0.5))
+            log._scan_layout = None
+    with pytest.raises(DataError, match=r"log\.mcap: the scan at 3\.0 s has 5 beams, the first has 3"):
+        read_drive_log(tmp_path / "log.mcap")
+
+
+@pytest.mark.parametrize("stream", ["scan", "odometry", "joystick"])
+def test_a_clock_that_jumps_back_is_refused_with_both_stamps(
+    careless_writer: DriveLogWriter, tmp_path: Path, stream: str
+) -> None:
+    with careless_writer as log:
+        for tick, stamp in enumerate((1.0, 2.0, 0.5, 3.0)):
+            log.scan(stamp if stream == "scan" else tick, LaserScan([1.0, 2.0], -1.0, 1.0))
+            log.odometry(stamp if stream == "odometry" else tick, Pose2(0, 0, 0), Twist2(0, 0))
+            log.joystick(stamp if stream == "joystick" else tick, 0.0, 0.0)
+    with pytest.raises(DataError, match=f"{stream}_stamp goes back from 2.0 s to 0.5 s at record 2"):
+        read_drive_log(tmp_path / "log.mcap")
+
+
+def test_records_of_one_stamp_are_all_kept_and_everything_can_still_be_asked(
+    writer: DriveLogWriter, tmp_path: Path
+) -> None:
+    with writer as log:
+        for tick in range(20):
+            for copy in (0, 1):
+                log.odometry(tick // 2, Pose2(0.1 * tick + copy, 0, 0), Twist2(0.5, 0))
+                log.scan(tick // 2, LaserScan([1.0, 2.0], -1.0, 1.0))
+    read = read_drive_log(tmp_path / "log.mcap")
+    assert len(read.scan_stamp) == len(read.odometry_stamp) == 40
+    assert np.isfinite(read.pose_at(np.linspace(-1, 20, 50))).all()
+    inferred = joystick_from_motion(read)
+    assert np.isfinite(inferred.joystick).all()
+    assert len(inferred.joystick_stamp) == 40

@@ -1,5 +1,6 @@
 """map_server maps: flipped once, thresholds as map_server has them, refusals that name the key."""
 
+import os
 from pathlib import Path
 
 import cv2
@@ -62,7 +63,7 @@ def test_thresholds_part_the_greys_as_map_server_does(tmp_path: Path) -> None:
             st.lists(st.sampled_from([0, 100, -1]), min_size=width, max_size=width), min_size=1, max_size=9
         )
     ),
-    resolution=st.floats(1e-3, 10),
+    resolution=st.floats(1e-3, 1),
     x=st.floats(-1e4, 1e4),
 )
 def test_a_map_that_is_written_and_read_is_the_same(
@@ -92,7 +93,7 @@ def test_a_missing_key_is_named(tmp_path: Path, key: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"resolution": 0}, "resolution is 0.0 m, must be positive"),
+        ({"resolution": 0}, "resolution is 0.0 m, must be between 0.001 and 1 m"),
         ({"resolution": "fine"}, "resolution is 'fine', must be a finite number"),
         ({"resolution": True}, "resolution is True"),
         ({"resolution": float("nan")}, "resolution is nan"),
@@ -164,3 +165,54 @@ def test_real_maps_are_read_and_survive_being_written(
     assert (grid.data == 0).sum() > 0.1 * grid.data.size
     write_map(grid, tmp_path / "again.yaml")
     np.testing.assert_array_equal(read_map(tmp_path / "again.yaml").data, grid.data)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"resolution": 100.0}, "resolution is 100.0 m, must be between 0.001 and 1 m"),
+        ({"resolution": 1e-300}, "resolution is 1e-300 m"),
+        ({"origin": [1e300, 0, 0]}, r"origin is \(1e\+300, 0\) m, must lie within 1e\+06 m"),
+    ],
+)
+def test_a_map_on_an_absurd_scale_is_refused(tmp_path: Path, changes: dict, told: str) -> None:
+    with pytest.raises(DataError, match=told):
+        read_map(write(tmp_path, **changes))
+
+
+def test_a_map_of_too_many_cells_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lfdcore.datasets.maps.MOST_CELLS", 5)
+    with pytest.raises(DataError, match=r"has \d+ cells, must have at most 5"):
+        read_map(write(tmp_path))
+
+
+def test_a_pipe_in_place_of_a_map_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with pytest.raises(DataError, match="no regular file"):
+        read_map(tmp_path / "pipe.yaml")
+
+
+def encoded(suffix: str) -> bytes:
+    picture = np.random.default_rng(0).integers(0, 255, (60, 80), np.uint8)
+    return bytes(cv2.imencode(suffix, picture)[1].tobytes())
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pgm", ".bmp", ".tiff", ".webp"])
+@pytest.mark.parametrize("share", [0.02, 0.5])
+def test_a_decoders_own_noise_about_a_broken_image_reaches_nobody(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], suffix: str, share: float
+) -> None:
+    whole = encoded(suffix)
+    with pytest.raises(DataError, match="is cut or no image"):
+        read_map(write(tmp_path, pixels=whole[: int(share * len(whole))]))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_image_that_is_decoded_with_complaints_is_read_with_a_warning(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    jpeg = bytearray(encoded(".jpg"))
+    jpeg[len(jpeg) // 2 : len(jpeg) // 2 + 40] = bytes(range(40, 80))
+    with pytest.warns(UserWarning, match=r"may be damaged: Corrupt JPEG data"):
+        assert read_map(write(tmp_path, pixels=bytes(jpeg))).data.shape == (60, 80)
+    assert capfd.readouterr().err == ""

@@ -222,3 +222,19 @@ def test_a_garbled_bag_is_read_or_refused_but_never_crashes(
 def test_a_bag_that_is_not_there_is_not_found(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         read_rosbag(tmp_path / "none.bag")
+
+
+def test_a_bag_whose_stamps_go_back_is_sorted_and_says_how_often(tmp_path: Path) -> None:
+    received = [(topic, kind, EPOCH + k, message) for k, (topic, kind, _, message) in enumerate(drive())]
+    (tmp_path / "late").mkdir()
+    late = open_log(WRITERS["lone mcap"](tmp_path / "late", received))
+    np.testing.assert_allclose(late.scan_stamp, [0, 0.1, 0.2])
+    assert late.metadata["sorted"] == "stamps went back 1 times in scan, 1 times in odometry, 1 times in joystick"
+    assert "sorted" not in open_log(WRITERS["lone mcap"](tmp_path, drive())).metadata
+
+
+def test_a_bag_whose_beams_change_is_refused_with_the_stamp(tmp_path: Path) -> None:
+    at = EPOCH + 300_000_000
+    wider = ("/base_scan", "sensor_msgs/msg/LaserScan", at, ros.scan_message(at, LaserScan([1.0] * 7, -1.5, 0.5)))
+    with pytest.raises(DataError, match=r"the scan at 0\.3 s has 7 beams, the first has 4"):
+        open_log(WRITERS["ros2 mcap"](tmp_path, [*drive(), wider]))

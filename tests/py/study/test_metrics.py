@@ -108,6 +108,13 @@ def test_gaussian_errors_give_the_same_self_baselined_entropy_whatever_their_siz
     assert steering_entropy(2 * u, entropy_baseline(u)) > steering_entropy(u) + 0.15
 
 
+@pytest.mark.parametrize("samples", range(4))
+def test_a_run_too_short_for_a_prediction_has_no_baseline_and_gives_no_entropy(samples: int) -> None:
+    baseline = entropy_baseline(np.arange(samples) ** 3.0)
+    assert np.isnan(baseline)
+    assert np.isnan(steering_entropy(np.arange(9) ** 3.0, baseline))
+
+
 def test_a_perfectly_predictable_signal_has_entropy_zero_despite_rounding() -> None:
     assert steering_entropy(0.1 * np.arange(1000) / 3) == 0.0
     assert steering_entropy(np.zeros(100)) == 0.0

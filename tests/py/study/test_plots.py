@@ -14,10 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from lfdcore import __version__
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint
@@ -28,12 +30,12 @@ from lfdcore.study.driving_report import write_driving_report
 from lfdcore.study.moments import telling_moments
 from lfdcore.study.plots import course_figure, demonstrations_figure, every, outlines, png, split_plans
 from lfdcore.study.runner import run_drive
-from lfdcore.study.stage_plots import bin_heading, example_paths, planning_figure, stage_figures
+from lfdcore.study.stage_plots import bin_heading, example_paths, planning_figure, primitives_figure, stage_figures
 from lfdcore.study.trace import DriveTrace, Plan
 from lfdcore.wheelchair.assistants import DynamicWindowAssistant, Unassisted
-from lfdcore.wheelchair.local_paths import extract_local_paths
+from lfdcore.wheelchair.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.model_file import DriveAssistantModel, learn_drive
-from lfdcore.wheelchair.path_primitives import orientation_bin
+from lfdcore.wheelchair.path_primitives import PathPrimitives, orientation_bin
 
 
 @pytest.fixture(scope="module")
@@ -204,6 +206,38 @@ def test_a_log_without_a_local_path_is_refused(model: DriveAssistantModel, log: 
         stage_figures(model, still)
 
 
+def grey_paths(panel: Axes) -> list[LineCollection]:
+    return [made for made in panel.collections if isinstance(made, LineCollection)]
+
+
+def only(paths: LocalPaths, chosen: np.ndarray) -> LocalPaths:
+    arrays = {name: value[chosen] for name, value in vars(paths).items() if isinstance(value, np.ndarray)}
+    return replace(paths, **arrays, paths=[paths.paths[k] for k in chosen])
+
+
+def test_a_few_paths_behind_a_primitive_are_drawn_wide_enough_to_be_seen_below_it(log: DriveLog) -> None:
+    paths = extract_local_paths(log)
+    few = only(paths, np.flatnonzero(orientation_bin(paths.end_yaw) == 4)[:1])
+    for found, wider in ((few, True), (paths, False)):
+        primitives = PathPrimitives.fit(found)
+        panel = primitives_figure(primitives, found).axes[list(primitives.bins).index(4)]
+        (grey,) = grey_paths(panel)
+        assert len(grey.get_segments()) >= 1
+        assert (grey.get_linewidth()[0] > panel.lines[0].get_linewidth()) == wider
+
+
+def test_the_paths_behind_the_primitives_are_those_of_all_logs(model: DriveAssistantModel, log: DriveLog) -> None:
+    few = int(np.argmin(model.primitives.counts))
+
+    def shown(others: Sequence[DriveLog]) -> int:
+        picture = next(p for p in stage_figures(model, log, others=others) if p.caption.startswith("As Fig. 3.9"))
+        return len(grey_paths(picture.figure.axes[few])[0].get_segments())
+
+    still = replace(log, joystick=log.joystick * 0)  # holds no local path
+    assert shown([log]) == 2 * shown([])
+    assert shown([still]) == shown([])
+
+
 def test_demonstrations_start_where_their_course_does(log: DriveLog) -> None:
     course = home(2)
     line = demonstrations_figure([course], [log]).axes[0].lines[0]
@@ -223,9 +257,13 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     arms = ("none", "primitives")
     study = DrivingStudy(courses=(short,), model=tmp_path / "m.safetensors", arms=arms, drivers=2)
     found: DrivingResult = run_driving_study(study, processes=1)
-    report = write_driving_report(found, tmp_path, demonstrations=[path])
+    command = "lfdcore study driving"
+    report = write_driving_report(found, tmp_path, demonstrations=[path], command=command)
     first = report.read_bytes()
+    assert b"Made by: <code>lfdcore study driving</code>" in first
+    assert f"lfdcore {__version__}, seed 1; 4 runs".encode() in first
     for text in (b"Driving metrics, short", b"Figures to reach", b"As Fig. 3.14", b"As Fig. 3.12", b"As Fig. 3.7"):
         assert text in first
     assert len(first) < 6e6
-    assert write_driving_report(found, tmp_path, demonstrations=[path]).read_bytes() == first
+    again = write_driving_report(found, tmp_path, demonstrations=[path], command=command)
+    assert again.read_bytes() == first

@@ -59,6 +59,19 @@ def test_a_cells_first_line_is_its_figure_and_the_rest_stands_small_below(tmp_pa
     assert "<p>one</p>\n<p>two</p>" in html
 
 
+def test_the_result_and_what_made_it_stand_before_everything_else(tmp_path: Path) -> None:
+    path = write_report(tmp_path / "r.html", "T", sections(), "0 < 17 collisions", "seed 1. Made by: `lfdcore demo`")
+    html = path.read_text(encoding="utf-8")
+    lead, origin = html.index("0 &lt; 17 collisions</p>"), html.index("<code>lfdcore demo</code></p>")
+    assert html.index("</h1>") < lead < origin < html.index("<h2>")
+    assert "<p class=" not in written(tmp_path, [Section("Part")])
+
+
+def test_a_missed_figure_stands_out(tmp_path: Path) -> None:
+    html = written(tmp_path, [Section("Part", "", [Table("T", ("", "a"), (("x", "1.2\nMISSED"),))])])
+    assert "<td>1.2<br><small><b>MISSED</b></small></td>" in html
+
+
 def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
     class Tags(HTMLParser):
         def __init__(self) -> None:

@@ -183,7 +183,7 @@ def test_an_error_in_a_job_reaches_the_caller(processes: int) -> None:
     course = flat()
     jobs = [Job(course, _driver, make, 0, for_seconds(course, 1)) for make in (Unassisted, _no_assistant)]
     with pytest.raises(ValueError, match="no assistant"):
-        list(run_jobs(jobs, processes))
+        run_jobs(jobs, processes=processes)
 
 
 def test_an_unknown_arm_is_refused_by_name(home_model: Path) -> None:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from lfdcore.study.statistics import paired_test, proportion, summarise
+from lfdcore.study.statistics import paired_ratio, paired_test, proportion, summarise, summarise_bounded
 
 
 def test_the_interval_of_the_mean_covers_the_truth_in_95_percent_of_samples() -> None:
@@ -65,3 +65,33 @@ def test_the_paired_p_without_ties_is_scipys_exact_one() -> None:
 def test_pairs_without_a_difference_do_not_sharpen_the_paired_p(n: int) -> None:
     """Three contacts more, all in one direction, are 2 of 8 signs, however many pairs had none."""
     assert paired_test(np.zeros(n), [1, 1, 1] + [0] * (n - 3)).p == pytest.approx(0.25)
+
+
+@given(st.lists(st.integers(0, 6), min_size=1, max_size=12))
+def test_the_interval_of_a_mean_count_stays_within_the_counts_and_is_the_same_each_time(counts: list[int]) -> None:
+    s = summarise_bounded(counts)
+    assert s == summarise_bounded(counts) or len(counts) == 1
+    assert (s.n, s.mean) == (len(counts), pytest.approx(np.mean(counts)))
+    if len(counts) > 1:
+        assert min(counts) <= s.low <= s.mean + 1e-12
+        assert s.mean - 1e-12 <= s.high <= max(counts)
+
+
+def test_the_bootstrap_of_many_counts_comes_near_the_normal_interval() -> None:
+    counts = np.random.default_rng(6).poisson(3.0, 200)
+    boot, student = summarise_bounded(counts), summarise(counts)
+    assert (boot.low, boot.high) == (pytest.approx(student.low, abs=0.03), pytest.approx(student.high, abs=0.03))
+
+
+def test_the_bootstrap_leaves_missing_values_out() -> None:
+    s = summarise_bounded([1.0, np.nan, 3.0])
+    assert (s.n, s.missing, s.low, s.high) == (2, 1, 1.0, 3.0)
+
+
+def test_a_paired_ratio_is_over_the_pairs_that_count_alone() -> None:
+    ratio, n = paired_ratio([10, 20, 30, np.nan], [5, 999, 15, 1], [True, False, True, True])
+    assert (ratio, n) == (0.5, 2)
+    assert np.isnan(paired_ratio([1, 2], [1, 2], [False, False])[0])
+    assert np.isnan(paired_ratio([0, 0], [1, 2], [True, True])[0])
+    with pytest.raises(ValueError, match="must be equal"):
+        paired_ratio([1, 2], [1, 2], [True])

@@ -1,5 +1,6 @@
 """Tables against counts done by hand; none is wider than the terminal it is laid out for."""
 
+from dataclasses import replace
 from math import comb
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,12 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from lfdcore.control import DynamicWindowConfig
-from lfdcore.study.courses import flat
+from lfdcore.study.courses import campus, flat, from_map
 from lfdcore.study.driving import DrivingResult, DrivingStudy
 from lfdcore.study.driving_tasks import TaskResult, TaskStudy
+from lfdcore.study.plots import ARM_NAMES
 from lfdcore.study.statistics import paired_proportions_test
-from lfdcore.study.tables import DRIVING, FRAMEWORK, Table, driving_tables, task_tables
+from lfdcore.study.tables import DRIVING, FRAMEWORK, Table, course_labels, driving_tables, headline, task_tables
 
 cells = st.text(st.characters(codec="ascii", categories=("L", "N")), min_size=1, max_size=24)
 
@@ -80,7 +82,7 @@ def study_rows(**of_primitives: Any) -> list[dict[str, Any]]:
 
 def cell(table: Table, label: str, column: str) -> str:
     found = next(r for r in table.rows if r[0].replace("\n", " ").startswith(label))
-    return found[[h.split("\n")[0] for h in table.header].index(column)]
+    return found[next(k for k, head in enumerate(table.header) if head.startswith(column))]
 
 
 def named(found: list[Table], start: str) -> Table:
@@ -104,7 +106,7 @@ def test_a_metric_shows_mean_sd_interval_and_the_paired_p_beside_the_thesis() ->
     times = np.array([90.0, 92, 94, 96, 98])
     half = stats.t.ppf(0.975, 4) * times.std(ddof=1) / np.sqrt(5)
     expected = f"94+-{times.std(ddof=1):.0f}\n[{94 - half:.0f}, {94 + half:.0f}]"
-    assert cell(driving, "time taken", "assisted") == expected
+    assert cell(driving, "time taken", "primitives") == expected
     p = stats.wilcoxon(times - (100.0 + np.arange(5))).pvalue
     assert next(r for r in driving.rows if r[0].startswith("time"))[5] == f"{p:.3f}"
     assert cell(driving, "time taken", "thesis") == "166+-25\n-> 146+-16"
@@ -134,7 +136,7 @@ def test_a_figure_that_was_not_reached_is_called_missed() -> None:
 
 def test_a_figure_that_could_not_be_measured_is_missed() -> None:
     aims = named(driving_tables(result(study_rows(path_rmse=float("nan")))), "Figures to reach")
-    assert cell(aims, "path RMSE", "flat") == "nan\nMISSED"
+    assert cell(aims, "path RMSE", "flat") == "-\nMISSED"
 
 
 def test_without_the_unassisted_arm_there_are_no_figures_to_reach() -> None:
@@ -142,6 +144,102 @@ def test_without_the_unassisted_arm_there_are_no_figures_to_reach() -> None:
     study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=("dwa", "primitives"), drivers=5)
     titles = [table.title for table in driving_tables(DrivingResult(study, (), tuple(rows)))]
     assert not any(title.startswith("Figures to reach") for title in titles)
+
+
+def test_the_learned_arm_has_one_name_in_all_tables() -> None:
+    for table in driving_tables(result(study_rows())):
+        heads = [" ".join(head.split("\n")) for head in table.header]
+        assert ARM_NAMES["primitives"] in table.title + " ".join(heads)
+        assert "assisted (" not in table.as_text()
+
+
+def test_the_thesis_columns_say_which_of_its_experiments_they_are_of() -> None:
+    found = driving_tables(result(study_rows()))
+    assert named(found, "Driving").header[-1] == "thesis,\nsimulated"
+    framework = named(found, "Framework")
+    assert framework.header[-2:] == ("thesis,\nsimulated", "thesis,\nreal")
+    assert framework.rows[0][-2:] == ("0.87+-0.11", "0.88+-0.09")
+
+
+def test_the_campus_stands_beside_the_thesis_real_course() -> None:
+    rows = [r | {"course": campus().name} for r in study_rows()]
+    study = DrivingStudy(courses=(campus(),), model=Path("m"), arms=ARMS, drivers=5)
+    driving = named(driving_tables(DrivingResult(study, (), tuple(rows))), "Driving")
+    assert "Table 3.2" in driving.title
+    assert driving.header[-1] == "thesis,\nreal"
+    assert cell(driving, "collisions", "thesis") == "8 -> 0"
+    assert cell(driving, "time taken", "thesis") == "566\n-> 252"
+
+
+def test_ratios_are_over_the_drivers_who_completed_in_both_arms() -> None:
+    rows = study_rows(angular_jerk=2.0, time=80.0)
+    of_primitives = [r for r in rows if r["assistant"] == "primitives"]
+    unassisted = [r for r in rows if r["assistant"] == "none"]
+    of_primitives[0] |= {"outcome": "stuck", "time": 1.0, "angular_jerk": 0.0}
+    unassisted[1] |= {"outcome": "time_out", "time": 900.0, "angular_jerk": 50.0}
+    aims = named(driving_tables(result(rows)), "Figures to reach")
+    assert cell(aims, "time", "flat") == f"{80 / 103:.2f}\nreached\nn 3"  # drivers 2, 3, 4 took 102, 103, 104 s
+    assert cell(aims, "angular jerk", "flat") == "0.50\nreached\nn 3"
+    assert "completed in both arms" in aims.note
+
+
+def test_a_ratio_without_a_pair_that_completed_in_both_arms_is_missed() -> None:
+    aims = named(driving_tables(result(study_rows(outcome="stuck"))), "Figures to reach")
+    assert cell(aims, "time", "flat") == "-\nMISSED\nn 0"
+
+
+def test_no_interval_leaves_what_is_possible() -> None:
+    """Two drivers, one of whom was never stuck: Student's intervals would reach from below 0 to above 1."""
+    rows = [
+        r
+        | {"stuck": 0.9 * k, "reversals": 5 * k, "supervised": 1.0 * k, "time": 1.0 + 300 * k, "obedience": 0.5 + k / 2}
+        for k in range(2)
+        for r in study_rows()[3 * k : 3 * k + 3]
+    ]
+    found = driving_tables(result(rows, drivers=2))
+    assert not any("[-" in table.as_text() for table in found)
+    assert cell(named(found, "Driving"), "share of time stuck", "unassisted").endswith("[0.000, 0.900]")
+    assert cell(named(found, "Framework"), "user obedience", "primitives").endswith("[0.50, 1.00]")
+
+
+def test_what_was_not_measured_is_a_dash_that_the_note_explains() -> None:
+    rows = [r | {"steering_entropy_fixed": float("nan")} for r in study_rows()]
+    driving = named(driving_tables(result(rows)), "Driving")
+    assert next(r for r in driving.rows if "fixed" in r[0])[1:] == ("-", "-", "-", "-", "-", "")
+    assert "'-': not measured" in driving.note
+    assert "nan" not in driving.as_text()
+    assert "'-'" not in named(driving_tables(result(study_rows())), "Driving").note
+
+
+def test_tables_leave_out_the_seed_of_a_random_route_unless_two_would_be_called_the_same() -> None:
+    one, two = (from_map(flat().grid, seed, length=5.0, name="wide_depot") for seed in (5001, 5002))
+    assert one.name == "wide_depot-5001"
+    assert course_labels([one, flat()]) == {one.name: "wide_depot", "flat": "flat"}
+    assert course_labels([one, two]) == {one.name: one.name, two.name: two.name}
+    rows = [r | {"course": one.name} for r in study_rows()]
+    study = DrivingStudy(courses=(one,), model=Path("m"), arms=ARMS, drivers=5)
+    for table in driving_tables(DrivingResult(study, (), tuple(rows))):
+        assert "wide_depot" in table.as_text()
+        assert "5001" not in table.as_text()
+
+
+def test_the_headline_counts_the_learned_arm_against_the_unassisted_one() -> None:
+    rows = study_rows()
+    rows[0]["outcome"] = "stuck"
+    said = headline(result(rows))
+    assert said.startswith(
+        "primitives (learned): 0 collisions, 5 of 5 runs completed; unassisted: 10 collisions, 4 of 5"
+    )
+    assert "Angular jerk / unassisted: 0.50 (flat)." in said
+    assert said.endswith("n = 5 simulated impaired drivers a course, seeds 1..5.")
+
+
+def test_the_headline_does_without_arms_that_were_not_driven() -> None:
+    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=("none",), drivers=5)
+    rows = tuple(r for r in study_rows() if r["assistant"] == "none")
+    assert headline(DrivingResult(study, (), rows)).startswith(
+        "unassisted: 10 collisions, 5 of 5 runs completed. n = 5"
+    )
 
 
 def task_result(successes: dict[str, int], n: int = 20) -> TaskResult:
@@ -160,6 +258,17 @@ def test_task_shares_have_wilsons_interval_and_mcnemars_p() -> None:
     assert cell(table, "success", "unassisted") == "13 of 20\n65 % [43, 82]"  # Wilson, by hand
     assert table.rows[0][4:] == (f"{2 * 0.5**7:.3f}", f"{2 * 0.5**6:.3f}")  # 7 and 6 gained, none lost
     assert cell(table, "stuck", "DWA") == "1 of 20\n5 % [1, 24]"
+
+
+def test_a_task_says_what_reached_means_and_how_stuck_runs_ended() -> None:
+    (gap,) = task_tables(task_result({"none": 13, "primitives": 19}))
+    assert "the whole chair is behind the wall" in gap.note
+    assert "of these runs 1 of 1 (unassisted), 1 of 1 (primitives (learned)) still reached it" in gap.note
+    free = task_result({"none": 13})
+    rows = tuple(r | {"task": "doorway_and_docking", "stuck": False} for r in free.rows)
+    (docking,) = task_tables(TaskResult(replace(free.study, tasks=("doorway_and_docking",)), rows, (), ()))
+    assert "docked: at the end of the run the chair's outline is within 0.3 m of the table" in docking.note
+    assert "still reached it" not in docking.note
 
 
 def test_the_task_table_prints_the_horizon_of_dwa_only_with_dwa_in_it() -> None:

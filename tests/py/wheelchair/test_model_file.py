@@ -1,7 +1,10 @@
 import json
+import os
 import struct
 import subprocess
 import sys
+from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +13,8 @@ from synthetic_drive import T_BASE_LASER, corner_drive, drive, log_of
 from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.errors import ModelError
-from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.model_file import KIND, VERSION, DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.tensor_file import read_tensor_file, write_tensor_file
 
 
 @pytest.fixture
@@ -104,7 +108,7 @@ def test_garbled_bytes_are_refused_or_read_but_never_crash(saved, tmp_path):
         (lambda h: h.update(format="something"), "does not hold a lfdcore drive assistant model"),
         (lambda h: h.pop("intention"), "usable drive assistant"),
         (lambda h: h["intention"].update(unknown=1), "usable drive assistant: IntentionConfig has the fields"),
-        (lambda h: h["compliance"].update(look_ahead=-1.0), "look_ahead is -1.0 m"),
+        (lambda h: h["compliance"].update(look_ahead=-1.0), "look_ahead is -1.0 m, must be between 0.01 and 100 m"),
         (lambda h: h.update(clearance=-1.0), "clearance is -1.0 m"),
     ],
 )
@@ -150,3 +154,89 @@ print(DriveAssistantModel.load({str(saved)!r}).compliance.map(np.array([0.7, 0.3
 """
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.strip() == corner_model.compliance.map(np.array([0.7, 0.3])).sum(dtype=float).hex()
+
+
+@pytest.mark.parametrize("part", ["intention", "compliance"])
+@pytest.mark.parametrize("value", [None, "x", [], [1], {}, -1, 1e300, 10**400, True])
+def test_every_setting_of_a_tampered_model_is_refused_by_name(saved, part, value):
+    whole = saved.read_bytes()
+    names = sorted(asdict(getattr(DriveAssistantModel.load(saved), part).config))
+    for name in names:
+        if (name, value) in (("mirror", True), ("shares", [1])):
+            continue
+        with pytest.raises(ModelError, match=name):
+            DriveAssistantModel.load(rewritten(saved, lambda h, name=name: h[part].update({name: value})))
+        saved.write_bytes(whole)
+
+
+@pytest.mark.parametrize("value", [None, "x", [], {}, True, -1, 1e300])
+def test_a_tampered_clearance_is_refused_by_name(saved, value):
+    with pytest.raises(ModelError, match="clearance is"):
+        DriveAssistantModel.load(rewritten(saved, lambda h: h.update(clearance=value)))
+
+
+@pytest.mark.parametrize("value", [None, "x", [], 3])
+def test_tampered_metadata_are_refused_by_name(saved, value):
+    with pytest.raises(ModelError, match="metadata is"):
+        DriveAssistantModel.load(rewritten(saved, lambda h: h.update(metadata=value)))
+
+
+ARRAYS = [
+    *(f"{part}.{name}" for part in ("intention", "compliance") for name in ("keys", "offsets", "centres", "weights")),
+    *("intention.frequencies", "primitives.ends", "primitives.shapes", "primitives.bins", "primitives.counts"),
+]
+TAMPERINGS = {
+    "another type": lambda a: a.astype(np.float32),
+    "wider integers": lambda a: a.astype(np.int64) + 2**40,
+    "truth": lambda a: a.astype(bool),
+    "one dimension more": lambda a: a[..., None],
+    "NaN": lambda a: a * np.nan,
+    "beyond all bounds": lambda a: a + 1e300,
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("tampering", TAMPERINGS)
+def test_every_array_of_a_tampered_model_is_refused_by_name(saved, tmp_path, name, tampering):
+    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    tensors[name] = TAMPERINGS[tampering](tensors[name])
+    write_tensor_file(saved, KIND, VERSION, header, tensors)
+    with pytest.raises(ModelError, match=name):
+        DriveAssistantModel.load(saved)
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("change", [lambda a: a[:-1], lambda a: a[:0]])
+def test_arrays_that_do_not_fit_together_are_refused(saved, name, change):
+    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    tensors[name] = change(tensors[name])
+    write_tensor_file(saved, KIND, VERSION, header, tensors)
+    with pytest.raises(ModelError, match="does not hold a usable drive assistant"):
+        DriveAssistantModel.load(saved)
+
+
+def test_arrays_too_few_or_too_many_are_refused_by_name(saved):
+    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    for changed in ({k: v for k, v in tensors.items() if k != "intention.keys"}, tensors | {"more": np.zeros(3)}):
+        write_tensor_file(saved, KIND, VERSION, header, changed)
+        with pytest.raises(ModelError, match=r"it has the arrays .* must have .*intention\.keys"):
+            DriveAssistantModel.load(saved)
+
+
+def test_a_model_is_written_to_no_folder_and_no_pipe_and_a_failure_leaves_no_part(corner_model, tmp_path, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    for target in (tmp_path, tmp_path / "pipe", Path("/dev/null")):
+        with pytest.raises(ValueError, match="exists and is no regular file"):
+            corner_model.save(target)
+    (tmp_path / "model").write_bytes(b"old")
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(OSError, match="No space"):
+        corner_model.save(tmp_path / "model")
+    assert (tmp_path / "model").read_bytes() == b"old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["model", "pipe"]
+
+
+def test_a_pipe_is_no_model_and_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ModelError, match="no regular file"):
+        DriveAssistantModel.load(tmp_path / "pipe")

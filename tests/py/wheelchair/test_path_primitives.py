@@ -110,3 +110,38 @@ def test_loops_back_to_the_start_are_left_out_and_nothing_else_is_refused():
 def test_configs_out_of_range_are_refused_by_name(field):
     with pytest.raises(ValueError, match=next(iter(field))):
         PathPrimitiveConfig(**field)
+
+
+GOOD = {
+    "ends": np.array([[1.0, 0.0], [1.0, 1.0]]),
+    "shapes": np.array([[[0, 0], [0.5, 0.1], [1, 0]], [[0, 0], [0.6, 0.5], [1, 1.0]]]),
+    "bins": np.array([3, 5], np.int32),
+    "counts": np.array([1, 2], np.int32),
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"ends": np.array([[0.0, 0.0], [1.0, 1.0]])}, "primitive 0 ends 0 m from the origin"),
+        ({"ends": np.array([[1.0, 0.0], [1e-310, 0.0]])}, "primitive 1 ends 1e-310 m from the origin"),
+        ({"ends": GOOD["ends"] * np.nan}, "must be finite"),
+        ({"ends": GOOD["ends"] * 1e300}, r"within 1e\+06 m"),
+        ({"ends": np.zeros(())}, "have ends of shape"),
+        ({"ends": np.zeros((0, 2))}, "no path primitive"),
+        ({"ends": GOOD["ends"].T[:, :1]}, "have ends of shape"),
+        ({"shapes": GOOD["shapes"] * np.nan}, "must be finite"),
+        ({"shapes": GOOD["shapes"] * 0}, "primitive 0 is a shape that misses the origin or its end by 1 m"),
+        ({"shapes": GOOD["shapes"] + 0.1}, "misses the origin"),
+        ({"shapes": GOOD["shapes"][:, :1]}, "shapes of shape"),
+        ({"shapes": GOOD["shapes"][0]}, "shapes of shape"),
+        ({"bins": np.array([5, 3])}, r"bins \[5 3\]"),
+        ({"bins": np.array([-1, 3])}, r"bins \[-1 +3\]"),
+        ({"bins": np.array([3])}, r"\(1,\) bins"),
+        ({"counts": np.array([0, 3])}, r"counts \[0 3\]"),
+    ],
+)
+def test_degenerate_primitives_are_refused(change, told):
+    assert len(PathPrimitives(**GOOD)) == 2
+    with pytest.raises(ValueError, match=told):
+        PathPrimitives(**{**GOOD, **change})
