@@ -39,9 +39,7 @@ class GaussianProcessRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
         self.polish = polish
         self.random_state = random_state
 
-    def fit(
-        self, X: ArrayLike, y: ArrayLike, noise_variances: ArrayLike | float = 0.0
-    ) -> GaussianProcessRegressor:
+    def fit(self, X: ArrayLike, y: ArrayLike, noise_variances: ArrayLike | float = 0.0) -> GaussianProcessRegressor:
         """X (N, D), y (N,), noise_variances (N,) or one for all: known before, beside the fitted noise."""
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, order="C")
         self.mean_ = float(np.mean(y)) if self.centre else 0.0

@@ -216,9 +216,7 @@ class _Training:
         config, kept = self.config, np.flatnonzero(train)
         steps = -(-len(kept) // config.batch)
         total = steps * config.epochs
-        optimiser = torch.optim.AdamW(
-            self.net.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay
-        )
+        optimiser = torch.optim.AdamW(self.net.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay)
         schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, config.learning_rate, total_steps=total)
         curve: list[EpochLoss] = []
         best: EpochLoss | None = None

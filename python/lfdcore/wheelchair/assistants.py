@@ -23,6 +23,8 @@ from lfdcore.control import (
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
 from lfdcore.simulation import joystick_to_twist
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath, Planner
@@ -160,6 +162,7 @@ class DriveAssistantConfig:
     """How the learned assistant drives. The printed values are those of `thesis()`."""
 
     primitives: PrimitivesPlannerConfig = field(default_factory=PrimitivesPlannerConfig)
+    heatmaps: HeatmapPlannerConfig = field(default_factory=HeatmapPlannerConfig)
     compliance_threshold: float = 0.9
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
@@ -195,6 +198,7 @@ class DriveAssistantConfig:
         """The printed loop, which drives into things (docs/decisions.md)."""
         return DriveAssistantConfig(
             primitives=PrimitivesPlannerConfig.thesis(),
+            heatmaps=HeatmapPlannerConfig.thesis(),
             replan_after=float("inf"),
             refuse_below=0.0,
             replan_pause=0.0,
@@ -270,7 +274,7 @@ class DriveAssistant:
 
     def __init__(
         self,
-        model: DriveAssistantModel,
+        model: DriveAssistantModel | HeatmapModel,
         chair: ChairGeometry | None = None,
         config: DriveAssistantConfig | None = None,
         name: str = "primitives",
@@ -279,7 +283,7 @@ class DriveAssistant:
         self.model = model
         self.chair = chair or ChairGeometry()
         self.config = config or DriveAssistantConfig()
-        self.planner: Planner = PrimitivesPlanner(model, self.config.primitives, self.chair)
+        self.planner = _planner(model, self.config, self.chair)
         self._surroundings = Surroundings(self.chair, self.config.map_duration)
         self._supervisor = (
             None
@@ -391,6 +395,12 @@ class DriveAssistant:
         if allowed.changed or said.mode != "path":
             self._smoother.restart(allowed.twist)
         return replace(said, command=allowed.twist, supervised=allowed.changed)
+
+
+def _planner(model: DriveAssistantModel | HeatmapModel, config: DriveAssistantConfig, chair: ChairGeometry) -> Planner:
+    if isinstance(model, HeatmapModel):
+        return HeatmapPlanner(model, config.heatmaps, chair)
+    return PrimitivesPlanner(model, config.primitives, chair)
 
 
 def _track(planned: PlannedPath, observation: Observation) -> _Track:

@@ -93,9 +93,7 @@ class HeatmapPairs:
 
     def take(self, which: NDArray[np.int_] | Mask) -> Self:
         """Some of the pairs, by index or mask."""
-        return type(self)(
-            self.free[which], self.target[which], self.joystick[which], self.log[which], self.scan[which]
-        )
+        return type(self)(self.free[which], self.target[which], self.joystick[which], self.log[which], self.scan[which])
 
     def mirrored(self) -> Self:
         """The same drives in a world with left and right exchanged. base_link lies on the border between iy 49 and 50,
