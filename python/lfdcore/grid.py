@@ -1,6 +1,7 @@
-"""Occupancy grids, scans, distance fields and ray casting. Re-exports lfdcore._core.grid."""
+"""Occupancy grids, scans, distance fields, ray casting, heatmaps along a drive. Re-exports lfdcore._core.grid."""
 
 from lfdcore._core.grid import (
+    HeatmapMap,
     LaserScan,
     ObstaclePoints,
     OccupancyGrid,
@@ -12,6 +13,7 @@ from lfdcore._core.grid import (
 )
 
 __all__ = [
+    "HeatmapMap",
     "LaserScan",
     "ObstaclePoints",
     "OccupancyGrid",

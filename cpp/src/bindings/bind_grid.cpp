@@ -1,6 +1,7 @@
 #include "common.hpp"
 #include "lfdcore/grid/distance_field.hpp"
 #include "lfdcore/grid/grid.hpp"
+#include "lfdcore/grid/heatmap_map.hpp"
 #include "lfdcore/grid/laser_scan.hpp"
 #include "lfdcore/grid/obstacle_points.hpp"
 #include "lfdcore/grid/ray_casting.hpp"
@@ -187,6 +188,24 @@ void bind_ray_casting(py::module_& m) {
       .def_property_readonly("range_max", &RayCaster::range_max, "[m]");
 }
 
+void bind_heatmap_map(py::module_& m) {
+  py::class_<HeatmapMap>(
+      m, "HeatmapMap",
+      "Local heatmaps put together along a drive (Alg. 4), over a map: the mean heat of each cell over all frames that "
+      "saw it. Several cells of a frame that fall into one cell of the map all count (ERRATA 32).")
+      .def(py::init<const OccupancyGrid&>(), py::arg("map"))
+      .def("insert", &HeatmapMap::insert, py::arg("heatmap"), py::arg("visible"), py::arg("T_map_base"), without_gil(),
+           "Adds the visible cells (100, 100) bool of a local heatmap (100, 100), scaled to a maximum of 1 among them. "
+           "A frame without heat counts as seen, with heat 0. Returns the number of visible cells that lay outside the "
+           "map. ValueError, and no change, for other shapes, heat that is negative or not finite, or a pose that is "
+           "not.")
+      .def("heatmap", &HeatmapMap::heatmap, without_gil(),
+           "H_concat (H, W) float32: mean heat in [0, 1]; 0 where no frame saw the cell.")
+      .def_property_readonly(
+          "count", [](const HeatmapMap& map) -> const GridOf<std::int32_t>& { return map.count(); },
+          py::return_value_policy::reference_internal, "C (H, W) int32, a view: how many local cells fell into each");
+}
+
 }  // namespace
 
 void bind_grid(py::module_& m) {
@@ -197,6 +216,7 @@ void bind_grid(py::module_& m) {
   bind_rolling_map(m);
   bind_distance_field(m);
   bind_ray_casting(m);
+  bind_heatmap_map(m);
 }
 
 }  // namespace lfdcore

@@ -15,6 +15,8 @@ void bind_grid(py::module_& m);
 void bind_simulation(py::module_& m);
 void bind_dpp(py::module_& m);
 void bind_hybrid_astar(py::module_& m);
+void bind_q_learning(py::module_& m);
+void bind_user_heatmap(py::module_& m);
 void bind_pure_pursuit(py::module_& m);
 void bind_dynamic_window(py::module_& m);
 void bind_footprint_rollout(py::module_& m);

@@ -9,7 +9,8 @@ PYBIND11_MODULE(_core, m) {
   auto geometry = m.def_submodule("geometry", "Planar poses, twists, paths and the chair's outline.");
   auto grid = m.def_submodule("grid", "Occupancy grids, scans, distance fields and ray casting.");
   auto simulation = m.def_submodule("simulation", "The simulated chair in its world.");
-  auto planning = m.def_submodule("planning", "Grid MDPs, dynamic policy programming, hybrid A*.");
+  auto planning =
+      m.def_submodule("planning", "Grid MDPs, dynamic policy programming, Q-learning, user heatmaps, hybrid A*.");
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
   auto estimation = m.def_submodule("estimation", "One-class radial basis function networks.");
   bind_geometry(geometry);
@@ -17,6 +18,8 @@ PYBIND11_MODULE(_core, m) {
   bind_simulation(simulation);
   bind_dpp(planning);
   bind_hybrid_astar(planning);
+  bind_q_learning(planning);
+  bind_user_heatmap(planning);
   bind_pure_pursuit(control);
   bind_dynamic_window(control);
   bind_footprint_rollout(control);

@@ -15,6 +15,7 @@
 
 #include "dpp_sweep.hpp"
 #include "lfdcore/error.hpp"
+#include "pinched.hpp"
 
 namespace lfdcore {
 namespace {
@@ -22,12 +23,6 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 constexpr double log2_e = 1.4426950408889634;
 constexpr double largest_exponent = 1e9;
-
-// Two cells of a 2 x 2 block are open, the two on the other diagonal blocked.
-bool pinched(const Mask& blocked, Eigen::Index iy, Eigen::Index ix) {
-  const bool here = blocked(iy, ix), right = blocked(iy, ix + 1);
-  return here != right && blocked(iy + 1, ix) == right && blocked(iy + 1, ix + 1) == here;
-}
 
 // The numbers of out-of-grid moves of a row of cells, where `rows_inside` of the 3 rows of moves stay in the grid.
 void count_outside(std::vector<double>& self, int width, int rows_inside) {
@@ -190,16 +185,8 @@ void DppSolver::lay_out(const DppResult& result) {
 }
 
 void DppSolver::collect_specials(const DppResult& result) {
-  const Mask& blocked = result.mdp.blocked;
   specials_.clear();
-  for (int iy = 0; iy + 1 < height_; ++iy) {
-    for (int ix = 0; ix + 1 < width_; ++ix) {
-      if (!pinched(blocked, iy, ix)) continue;
-      const int open = blocked(iy, ix) ? 1 : 0;
-      add_special(result, {ix + open, iy});
-      add_special(result, {ix + 1 - open, iy + 1});
-    }
-  }
+  detail::for_each_pinched(result.mdp.blocked, [&](Cell cell) { add_special(result, cell); });
   for (int i = 0; i < result.initial.rows(); ++i) {
     if ((result.initial.row(i) != 0).any()) add_special(result, {i % width_, i / width_});
   }

@@ -29,9 +29,10 @@ std::string_view to_string(PathOutcome outcome) {
   return names[static_cast<std::size_t>(outcome)];
 }
 
-GreedyPath follow_policy(const GridMdp& mdp, const std::function<int(Cell)>& action, Cell start, Cell goal) {
+GreedyPath follow_policy(const GridMdp& mdp, const std::function<int(Cell)>& action, Cell start,
+                         std::optional<Cell> goal) {
   require_inside("start", mdp, start);
-  require_inside("goal", mdp, goal);
+  if (goal) require_inside("goal", mdp, *goal);
   if (mdp.blocked(start.iy, start.ix)) return {as_rows({start}), PathOutcome::start_blocked};
   Mask visited = Mask::Constant(mdp.height(), mdp.width(), false);
   std::vector<Cell> cells;

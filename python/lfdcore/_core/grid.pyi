@@ -10,6 +10,7 @@ import numpy.typing
 import typing
 
 __all__: list[str] = [
+    "HeatmapMap",
     "LaserScan",
     "ObstaclePoints",
     "OccupancyGrid",
@@ -218,6 +219,30 @@ class RayCaster:
     def range_max(self) -> float:
         """
         [m]
+        """
+
+class HeatmapMap:
+    """
+    Local heatmaps put together along a drive (Alg. 4), over a map: the mean heat of each cell over all frames that saw it. Several cells of a frame that fall into one cell of the map all count (ERRATA 32).
+    """
+
+    def __init__(self, map: OccupancyGrid) -> None: ...
+    def heatmap(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        H_concat (H, W) float32: mean heat in [0, 1]; 0 where no frame saw the cell.
+        """
+
+    def insert(
+        self, heatmap: numpy.typing.ArrayLike, visible: numpy.typing.ArrayLike, T_map_base: lfdcore._core.geometry.Pose2
+    ) -> int:
+        """
+        Adds the visible cells (100, 100) bool of a local heatmap (100, 100), scaled to a maximum of 1 among them. A frame without heat counts as seen, with heat 0. Returns the number of visible cells that lay outside the map. ValueError, and no change, for other shapes, heat that is negative or not finite, or a pose that is not.
+        """
+
+    @property
+    def count(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        C (H, W) int32, a view: how many local cells fell into each
         """
 
 def distance_field(occupied: numpy.typing.ArrayLike, resolution: float) -> numpy.typing.NDArray[numpy.float32]:

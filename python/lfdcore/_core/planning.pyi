@@ -1,5 +1,5 @@
 """
-Grid MDPs, dynamic policy programming, hybrid A*.
+Grid MDPs, dynamic policy programming, Q-learning, user heatmaps, hybrid A*.
 """
 
 from __future__ import annotations
@@ -15,16 +15,28 @@ __all__: list[str] = [
     "DppSolver",
     "GreedyPath",
     "GridMdp",
+    "HeatmapRewardConfig",
     "HybridAstar",
     "HybridAstarConfig",
     "HybridAstarResult",
+    "MovementTemplate",
+    "OrientationMoments",
     "PathOutcome",
+    "QLearningConfig",
+    "QLearningResult",
+    "QLearningSolver",
     "RewardConfig",
+    "UserHeatmap",
+    "arc_orientation",
     "baseline_preference",
+    "compliance",
     "greedy_path",
+    "heatmap_reward",
+    "joystick_orientation",
     "path_cells",
     "path_reward",
     "solve_hybrid_astar",
+    "user_heatmap",
 ]
 
 class GridMdp:
@@ -364,6 +376,154 @@ class HybridAstar:
         window.
         """
 
+class HeatmapRewardConfig:
+    """
+    Rewards of Sec. 4.5 of blocked cells (obstacle) and of the outermost ring (border).
+    """
+
+    def __init__(self, *, obstacle: float = -100.0, border: float = -100.0) -> None: ...
+    @property
+    def border(self) -> float: ...
+    @property
+    def obstacle(self) -> float: ...
+
+class QLearningConfig:
+    """
+    learning_rate alpha in (0, 1]; discount gamma in (0, 1), .9 in Sec. 4.5, which sees some 10 cells (ERRATA 31, F9); sweeps 1..100 000 (the printed K = 100 is 99: ERRATA 16); initial_value Q_0 [reward]; blocked: moves into blocked cells do not exist, else the mask is ignored and obstacles are soft (as printed; ERRATA 20).
+    """
+
+    def __init__(
+        self,
+        *,
+        learning_rate: float = 0.7,
+        discount: float = 0.95,
+        sweeps: int = 100,
+        initial_value: float = -100.0,
+        blocked: bool = True,
+    ) -> None: ...
+    @property
+    def blocked(self) -> bool: ...
+    @property
+    def discount(self) -> float: ...
+    @property
+    def initial_value(self) -> float:
+        """
+        [reward]
+        """
+
+    @property
+    def learning_rate(self) -> float: ...
+    @property
+    def sweeps(self) -> int: ...
+
+class QLearningResult:
+    """
+    Q after the last sweep, kept as Q(s, a) = q(s'); the methods work it out on demand [reward].
+    """
+
+    def action_values(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Q (H, W, 9) [reward]; -inf for moves that are not available.
+        """
+
+    def greedy_actions(self) -> numpy.typing.NDArray[numpy.int8]:
+        """
+        (H, W) int8: argmax_a Q(s, a), ties to the lowest index; -1 where blocked.
+        """
+
+    def values(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        max_a Q(s, a) (H, W) [reward]; NaN where blocked.
+        """
+
+    @property
+    def config(self) -> QLearningConfig: ...
+    @property
+    def mdp(self) -> GridMdp:
+        """
+        as solved: nothing is blocked if the config says so
+        """
+
+    @property
+    def successor_value(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        q (H, W) [reward], a view; NaN where blocked
+        """
+
+class QLearningSolver:
+    """
+    Q-learning (App. D.1, Alg. 3; Sutton and Barto 1998) on a grid, synchronous. Keeps its workspace between grids of one size. Calls from several threads wait for each other.
+    """
+
+    def __init__(self, config: QLearningConfig = ...) -> None: ...
+    def solve(self, mdp: GridMdp) -> QLearningResult:
+        """
+        Runs the sweeps of D.1 from Q_0.
+        """
+
+    @property
+    def config(self) -> QLearningConfig: ...
+
+class MovementTemplate:
+    """
+    Movement template and distance filter of Sec. 4.4.1 over the local window, from a dense fan of arcs: those ahead cover the front half, those backwards the rear half (ERRATA 28). Built once for a chair's limits, in some 100 ms.
+    """
+
+    def __init__(self, limits: lfdcore._core.geometry.MotionLimits = ...) -> None: ...
+    @property
+    def distance_filter(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        (100, 100) float32 in (0, 1], a view: mean length of the arcs up to a cell, divided by the largest
+        """
+
+    @property
+    def limits(self) -> lfdcore._core.geometry.MotionLimits: ...
+    @property
+    def orientation(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        h_t (100, 100) float32 [rad], a view: circular mean of the stick's orientation over the arcs through a cell
+        """
+
+class OrientationMoments:
+    """
+    Mean [rad] and variance [rad^2] of a stick's orientation h = arctan2(left, forward): 0 = forward, positive to the left.
+    """
+
+    def __init__(self, mean: float, variance: float) -> None: ...
+    @property
+    def mean(self) -> float:
+        """
+        [rad]
+        """
+
+    @property
+    def variance(self) -> float:
+        """
+        [rad^2]
+        """
+
+class UserHeatmap:
+    """
+    A user heatmap over the local window, before and after the filter.
+    """
+
+    @property
+    def density(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        (100, 100) float32 [1/rad], a view: the weights of Eq. 4.3
+        """
+
+    @property
+    def heatmap(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        (100, 100) float32, a view: density times distance filter, divided by the maximum (F12)
+        """
+
+def arc_orientation(point: numpy.typing.ArrayLike, limits: lfdcore._core.geometry.MotionLimits = ...) -> float:
+    """
+    The stick's orientation h = arctan2(left, forward) [rad] in (-pi, pi] whose constant twist leads base_link's origin through a point (2,) [m]: ahead for x >= 0, else backwards, turned by at most 180 degrees (ERRATA 28). ValueError for a point that is not finite or is the origin.
+    """
+
 def baseline_preference(
     path_cells: numpy.ndarray, shape: tuple[int, int], probability: float = 0.9, inverse_temperature: float = 0.001
 ) -> numpy.typing.NDArray[numpy.float64]:
@@ -371,9 +531,39 @@ def baseline_preference(
     Psi_0 (H, W, 9) = (log pi_0 + entropy(pi_0)) / eta of a baseline that follows path cells (N, 2) [ix, iy] (ERRATA 19): `probability` on the path's move (to stay on its last cell), the rest shared by the other 8; uniform, so 0, off the path. ValueError unless 0 < probability < 1 and consecutive cells are neighbours.
     """
 
+def compliance(
+    control_point: numpy.typing.ArrayLike,
+    orientation: OrientationMoments,
+    limits: lfdcore._core.geometry.MotionLimits = ...,
+) -> float:
+    """
+    How well a control point (2,) [m, base_link] complies with a stick's OrientationMoments, in [0, 1]: the density at the point's exact orientation relative to its peak, unfiltered (ERRATA 29); above .9 within .46 sd. 1 at the origin. ValueError as user_heatmap, and for a point that is not finite.
+    """
+
+@typing.overload
 def greedy_path(result: DppResult, start_cell: tuple[int, int], goal_cell: tuple[int, int]) -> GreedyPath:
     """
     The greedy path (Alg. 2) between cells (ix, iy); it ends in the goal cell, where the best move is to stay, or before a cell visited already (ERRATA 15). ValueError for a cell outside the grid.
+    """
+
+@typing.overload
+def greedy_path(
+    result: QLearningResult, start_cell: tuple[int, int], goal_cell: tuple[int, int] | None = None
+) -> GreedyPath:
+    """
+    The greedy path (Alg. 3) from a cell (ix, iy), ended by the same rules. Alg. 3 names no goal: without one the usual end is `stay`, on a local maximum. Where all moves tie, as on an all-zero heatmap, it wanders by the lowest index: ask whether there is any heat first.
+    """
+
+def heatmap_reward(
+    heatmap: numpy.typing.ArrayLike, blocked: numpy.typing.ArrayLike, config: HeatmapRewardConfig = ...
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    The reward (H, W) float32 of Sec. 4.5: the heatmap (H, W) in [0, 1], the border over it, blocked cells (H, W) bool (the obstacles grown by what the chair needs) over both. ValueError for an empty heatmap, heat outside [0, 1] or NaN, or shapes that differ.
+    """
+
+def joystick_orientation(mean: numpy.typing.ArrayLike, variance: numpy.typing.ArrayLike) -> OrientationMoments | None:
+    """
+    Moments of h from means (2,) [forward, left] and variances (2,) of the stick's axes, Eq. 4.1-4.2 as corrected (ERRATA 25). The sd is kept within [0.05, pi / sqrt(3)] rad: first order is useless beyond (ERRATA 26). None for a stick at rest, closer than 1e-6 to its centre. ValueError for values that are not finite or a negative variance.
     """
 
 def path_cells(
@@ -401,4 +591,9 @@ def solve_hybrid_astar(
 ) -> HybridAstarResult:
     """
     One search with a HybridAstar of its own; see HybridAstar.solve.
+    """
+
+def user_heatmap(template: MovementTemplate, orientation: OrientationMoments) -> UserHeatmap:
+    """
+    The heatmap of Sec. 4.4.2: Eq. 4.3 with wrapped differences (ERRATA 27), times the distance filter. ValueError for a mean that is not finite or a variance that is not within 1e-6..1e6 rad^2.
     """

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string_view>
 
 #include "lfdcore/planning/grid_mdp.hpp"
@@ -26,7 +27,9 @@ struct GreedyPath {
 };
 
 /// Follows `action` (a cell's best move 0..8, or -1 where none is available) from `start`.
-/// Throws std::invalid_argument if the start or the goal lies outside the grid.
-GreedyPath follow_policy(const GridMdp& mdp, const std::function<int(Cell)>& action, Cell start, Cell goal);
+/// Without a goal the outcome is never `goal`. Throws std::invalid_argument if the start or the goal lies outside the
+/// grid.
+GreedyPath follow_policy(const GridMdp& mdp, const std::function<int(Cell)>& action, Cell start,
+                         std::optional<Cell> goal);
 
 }  // namespace lfdcore
