@@ -48,8 +48,8 @@ void user_heatmap(const MovementTemplate& movement, const OrientationMoments& or
   detail::weigh_squares(result.density.data(), nearest, static_cast<float>(scale), filter.data(), result.heatmap.data(),
                         count);
   const double peak = std::exp(-scale * nearest) / std::sqrt(2 * pi * orientation.variance);
-  result.density *= static_cast<float>(peak);  // 4.3
-  result.heatmap *= 1 / result.heatmap.maxCoeff();
+  result.density *= static_cast<float>(peak);   // 4.3
+  result.heatmap /= result.heatmap.maxCoeff();  // not times the reciprocal, which would round beyond 1
 }
 
 double compliance(const Eigen::Vector2d& control_point, const OrientationMoments& orientation,
