@@ -8,18 +8,24 @@ from lfdcore.datasets.maps import read_map, write_map
 from lfdcore.datasets.motion import joystick_from_motion
 from lfdcore.datasets.mrpt import read_mrpt
 from lfdcore.datasets.rosbag import read_rosbag
+from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, noted_limits, safe_joystick, twist_to_joystick
 
 __all__ = [
     "DriveLog",
     "DriveLogWriter",
     "Intention",
+    "JoystickPairs",
     "Plan",
     "joystick_from_motion",
+    "joystick_pairs",
+    "noted_limits",
     "open_log",
     "read_carmen",
     "read_drive_log",
     "read_map",
     "read_mrpt",
     "read_rosbag",
+    "safe_joystick",
+    "twist_to_joystick",
     "write_map",
 ]

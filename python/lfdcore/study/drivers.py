@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -117,16 +118,32 @@ POPULATION = {
 
 def population(n: int, seed: int) -> tuple[ImpairedConfig, ...]:
     """n impaired drivers drawn from POPULATION; driver i is the same whatever n. Raises ValueError if n < 1."""
+    return tuple(ImpairedConfig(**drawn) for drawn in _drawn(_POPULATION, POPULATION, n, seed))
+
+
+ABLE_POPULATION = {
+    "look_ahead": (0.75, 1.05),
+    "speed": (0.40, 0.52),
+    "delay": (0.3, 0.5),
+    "noise_sd": (0.07, 0.13),
+}
+"""Ranges, around AbleConfig's values, from which `able_population` draws an able driver's parameters, uniformly."""
+
+
+def able_population(n: int, seed: int) -> tuple[AbleConfig, ...]:
+    """n able drivers drawn from ABLE_POPULATION; driver i is the same whatever n. Raises ValueError if n < 1."""
+    return tuple(AbleConfig(**drawn) for drawn in _drawn(_ABLE_POPULATION, ABLE_POPULATION, n, seed))
+
+
+def _drawn(stream: int, ranges: dict[str, tuple[float, float]], n: int, seed: int) -> Iterator[dict[str, float]]:
     if n < 1:
         raise ValueError(f"n must be at least 1, got {n}")
-    drawn = []
     for i in range(n):
-        rng = np.random.default_rng([_POPULATION, _checked_seed(seed), i])
-        drawn.append(ImpairedConfig(**{name: float(rng.uniform(*span)) for name, span in POPULATION.items()}))
-    return tuple(drawn)
+        rng = np.random.default_rng([stream, _checked_seed(seed), i])
+        yield {name: float(rng.uniform(*span)) for name, span in ranges.items()}
 
 
-_POPULATION, _STEERING, _NOTICING = 0x909, 0x57E, 0x707
+_POPULATION, _ABLE_POPULATION, _STEERING, _NOTICING = 0x909, 0xAB1E, 0x57E, 0x707
 """Streams of random numbers."""
 
 

@@ -10,6 +10,7 @@ from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.courses import (
     HOME_ROUTES,
+    MAZE_ROUTES,
     Course,
     Drawing,
     FootprintOnGrid,
@@ -21,7 +22,12 @@ from lfdcore.study.courses import (
     figure_eight,
     flat,
     from_map,
+    hall,
     home,
+    home_20x19,
+    maze_1,
+    maze_2,
+    mazes,
     narrow_gap,
     office,
     route_clearance,
@@ -35,6 +41,8 @@ COURSES = [
     standard_course(),
     campus(),
     figure_eight(),
+    hall(),
+    *mazes(),
 ]
 names = pytest.mark.parametrize("course", COURSES, ids=lambda course: course.name)
 
@@ -44,7 +52,15 @@ def size(course: Course) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    ("course", "metres"), [(home(), (20, 10)), (standard_course(), (21, 37)), (campus(), (97, 58))]
+    ("course", "metres"),
+    [
+        (home(), (20, 10)),
+        (standard_course(), (21, 37)),
+        (campus(), (97, 58)),
+        (maze_1(), (20, 10)),
+        (maze_2(), (20, 10)),
+        (home_20x19(), (20, 19)),
+    ],
 )
 def test_a_course_has_the_size_of_its_figure(course: Course, metres: tuple[float, float]) -> None:
     assert size(course) == pytest.approx(metres)
@@ -91,7 +107,7 @@ def test_every_door_is_wide_enough_and_as_wide_as_it_says(course: Course) -> Non
 
 def test_training_tuning_and_test_share_no_world() -> None:
     worlds: dict[bytes, set[str]] = {}
-    for course in COURSES:
+    for course in [*COURSES, home_20x19()]:
         worlds.setdefault(course.grid.data.tobytes(), set()).add(course.split)
     assert all(len(splits) == 1 for splits in worlds.values())
     assert {course.split for course in COURSES} == {"training", "tuning", "test"}
@@ -110,6 +126,45 @@ def test_the_homes_routes_differ_and_come_near_all_of_its_floor() -> None:
     assert home(0).route.tobytes() != home(2).route.tobytes()
     with pytest.raises(ValueError, match=r"route must be 0\.\.2, got 3"):
         home(3)
+
+
+def test_all_ways_through_a_maze_start_in_its_corner_and_end_elsewhere() -> None:
+    for maze in (maze_1, maze_2):
+        routes = [maze(route).route for route in range(MAZE_ROUTES)]
+        assert all(np.hypot(*(route[0] - (1, 1))) < 0.1 for route in routes)
+        ends = np.array([route[-1] for route in routes])
+        apart = np.hypot(*(ends[:, None] - ends).transpose(2, 0, 1)) + 9 * np.eye(MAZE_ROUTES)
+        assert apart.min() > 0.3 and (ends.max(axis=0) > (18, 8.5)).all()
+        with pytest.raises(ValueError, match=r"route must be 0\.\.11, got 12"):
+            maze(12)
+
+
+def test_the_ways_through_a_maze_meet_nearly_all_of_its_doors() -> None:
+    """Each door of both mazes is on some way, .9 m ones included."""
+    for maze in (maze_1, maze_2):
+        visited = np.concatenate([maze(route).route for route in range(MAZE_ROUTES)])
+        widths = [door.width for door in maze().doors]
+        assert all(np.hypot(*(visited - (door.x, door.y)).T).min() < 0.1 for door in maze().doors)
+        assert min(widths) == 0.9
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_arbitrary_destinations_in_the_large_home_can_be_driven_to_and_the_seed_decides_which(seed: int) -> None:
+    course, again, other = home_20x19(seed), home_20x19.__wrapped__(seed), home_20x19(seed + 1)
+    assert course.route.tobytes() == again.route.tobytes() != other.route.tobytes()
+    assert course.length >= 10 and course.split == "test"
+    assert route_clearance(course.grid, course.route).min() >= Footprint().half_width + 0.05 - 1e-6
+    drive = drive_ideally(course)
+    assert drive.completed and not drive.contacts.any()
+
+
+def test_a_seed_whose_start_leads_nowhere_starts_elsewhere() -> None:
+    blocked = home_20x19(517)
+    with pytest.raises(ValueError, match="no route of"):
+        from_map(blocked.grid, 517, 10.0, doors=blocked.doors)
+    assert blocked.length >= 10 and blocked.name == "home-20x19-517"
+    with pytest.raises(ValueError, match="seed must be >= 0, got -1"):
+        home_20x19(-1)
 
 
 @pytest.mark.parametrize("make", [doorway_and_docking, narrow_gap])

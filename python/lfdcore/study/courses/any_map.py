@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.courses.course import Course, Split, heading_of
+from lfdcore.study.courses.drawing import Door
 from lfdcore.study.courses.ideal import drive_ideally
 from lfdcore.study.courses.routes import Point, RoutePlanner
 
@@ -19,24 +22,32 @@ TURNING_ROOM = 0.95
 _DRAWS = 40
 
 
-def from_map(grid: OccupancyGrid, seed: int, length: float = 60.0, name: str = "map", split: Split = "test") -> Course:
+def from_map(
+    grid: OccupancyGrid,
+    seed: int,
+    length: float = 60.0,
+    name: str = "map",
+    split: Split = "test",
+    doors: Sequence[Door] = (),
+) -> Course:
     """A course of at least `length` [m] through a map's free space.
 
     Destinations are drawn at random among places with room to turn, the farthest of a few each time; a leg stays only
-    if a chair without noise drives it without contact. Unknown cells count as walls. Raises ValueError for a length
-    that is not positive, a map without room for the chair, or one in which no such route is found.
+    if a chair without noise drives it without contact. Unknown cells count as walls. doors: openings that the route is
+    to meet straight on, where they are known. Raises ValueError for a length that is not positive, a map without room
+    for the chair, or one in which no such route is found.
     """
     if not (np.isfinite(length) and length > 0):
         raise ValueError(f"length must be positive and finite, got {length} m")
     if seed < 0:
         raise ValueError(f"seed must be >= 0, got {seed}")
     rng = np.random.default_rng([0x3A9, seed])
-    planner = RoutePlanner(grid)
+    planner = RoutePlanner(grid, doors=doors)
     draw = _Destinations(planner, rng)
     points: list[Point] = [draw.start]
     course: Course | None = None
     for _ in range(_DRAWS):
-        longer = _course(planner, [*points, draw.next(points[-1])], name, seed, split)
+        longer = _course(planner, [*points, draw.next(points[-1])], name, seed, split, doors)
         drive = drive_ideally(longer, margin=0.01)
         if drive.contacts.any() or not drive.completed:
             continue
@@ -81,8 +92,10 @@ class _Destinations:
         return at[int(np.argmax(away))]
 
 
-def _course(planner: RoutePlanner, points: list[Point], name: str, seed: int, split: Split) -> Course:
+def _course(
+    planner: RoutePlanner, points: list[Point], name: str, seed: int, split: Split, doors: Sequence[Door]
+) -> Course:
     route = planner.route(points)
     start = Pose2(float(route[0, 0]), float(route[0, 1]), heading_of(route))
     text = f"random destinations, seed {seed}, {float(arc_length(route)[-1]):.0f} m"
-    return Course(f"{name}-{seed}", planner.grid, start, route, False, text, split)
+    return Course(f"{name}-{seed}", planner.grid, start, route, False, text, split, tuple(doors))

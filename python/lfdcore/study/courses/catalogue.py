@@ -10,12 +10,19 @@ from lfdcore.study.courses.any_map import from_map
 from lfdcore.study.courses.course import Course
 from lfdcore.study.courses.held_out import campus, figure_eight, standard_course
 from lfdcore.study.courses.homes import HOME_ROUTES, flat, home, office
+from lfdcore.study.courses.large_home import home_20x19
+from lfdcore.study.courses.mazes import maze_1, maze_2
+from lfdcore.study.courses.roomy import hall
 
 _DRAWN: dict[str, Callable[[], Course]] = {
     "campus": campus,
     "figure_eight": figure_eight,
     "flat": flat,
+    "hall": hall,
     "home": home,
+    "home_20x19": home_20x19,
+    "maze_1": maze_1,
+    "maze_2": maze_2,
     "office": office,
     "standard_course": standard_course,
 }

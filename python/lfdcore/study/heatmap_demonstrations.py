@@ -1,0 +1,126 @@
+"""The drives of Ch. 4: able drivers with DWA in two mazes to learn from (Sec. 4.2), and unassisted in a home that is
+like neither to judge predictions by (Sec. 4.6.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from lfdcore.study.courses import Course, home_20x19, mazes
+from lfdcore.study.drivers import AbleConfig, AbleDriver, Driver, able_population
+from lfdcore.study.driving import make_assistant
+from lfdcore.study.runner import Job, RunConfig, run_jobs
+from lfdcore.study.trace import DriveTrace
+
+Progress = Callable[[int, int], None]
+
+MAZE_RUNS, MAZE_DRIVERS = 72, 8
+"""Sec. 4.2"""
+HOME_DRIVERS, RUNS_EACH = 10, 3
+"""Sec. 4.6.2"""
+
+_SEEDS, _HOME_SEEDS = 1000, 500
+"""Run j in the mazes has seed 1000 `seed` + j, run k in the home 1000 `seed` + 500 + k: none is in both."""
+
+
+@dataclass(frozen=True)
+class RecordedDrives:
+    """Drive logs and what really happened, in the order of the runs. None is left out, however it ended."""
+
+    paths: tuple[Path, ...]
+    traces: tuple[DriveTrace, ...]
+
+    @property
+    def unfinished(self) -> int:
+        """How many runs did not reach their destination."""
+        return sum(not trace.completed for trace in self.traces)
+
+    @property
+    def collisions(self) -> int:
+        """Contacts in all runs."""
+        return sum(int(trace.collision.sum()) for trace in self.traces)
+
+
+def demonstrate_in_mazes(
+    folder: Path,
+    seed: int,
+    runs: int = MAZE_RUNS,
+    config: RunConfig | None = None,
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> RecordedDrives:
+    """8 able drivers with DWA (horizon 1 s) through both mazes -> their logs in `folder`, 72 as in Sec. 4.2.
+
+    The first n of 72 runs are those that `runs` = n gives; drivers and mazes take turns. Each route is driven by three
+    drivers. Raises ValueError for runs outside 1..72 or a negative seed.
+    """
+    if not 1 <= runs <= MAZE_RUNS:
+        raise ValueError(f"runs must be 1..{MAZE_RUNS}, got {runs}")
+    config = config or RunConfig()
+    drivers, courses = able_population(MAZE_DRIVERS, seed), mazes()
+    assistant = partial(make_assistant, "dwa_1s", folder, config)  # which needs no model
+    jobs = [
+        Job(
+            courses[_route_of(j, len(courses))],
+            partial(_able, drivers[j % MAZE_DRIVERS]),
+            assistant,
+            _SEEDS * seed + j,
+            config,
+            folder / f"maze-{j:02d}.mcap",
+        )
+        for j in range(runs)
+    ]
+    return _record(jobs, processes, progress)
+
+
+def _route_of(run: int, count: int) -> int:
+    """Each round of `count` runs takes every route once; from round to round other drivers have them."""
+    return (7 * run + 3 * (run // count)) % count
+
+
+def drive_to_destinations(
+    folder: Path,
+    seed: int,
+    runs: int = HOME_DRIVERS * RUNS_EACH,
+    config: RunConfig | None = None,
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> RecordedDrives:
+    """10 able drivers, other than those of the mazes, unassisted to 3 arbitrary destinations each in home_20x19.
+
+    Each run has a start and a destination of its own. Raises ValueError for runs outside 1..30 or a negative seed.
+    """
+    if not 1 <= runs <= HOME_DRIVERS * RUNS_EACH:
+        raise ValueError(f"runs must be 1..{HOME_DRIVERS * RUNS_EACH}, got {runs}")
+    config = config or RunConfig()
+    first = _SEEDS * seed + _HOME_SEEDS
+    drivers = able_population(HOME_DRIVERS, first)
+    assistant = partial(make_assistant, "none", folder, config)
+    jobs = [
+        Job(
+            home_20x19(first + k),
+            partial(_able, drivers[k % HOME_DRIVERS]),
+            assistant,
+            first + k,
+            config,
+            folder / f"home-{k:02d}.mcap",
+        )
+        for k in range(runs)
+    ]
+    return _record(jobs, processes, progress)
+
+
+def _able(config: AbleConfig, course: Course) -> Driver:
+    return AbleDriver(course, config)
+
+
+def _record(jobs: list[Job], processes: int | None, progress: Progress | None) -> RecordedDrives:
+    traces: dict[int, DriveTrace] = {}
+    for index, trace in run_jobs(jobs, processes):
+        traces[index] = trace
+        if progress is not None:
+            progress(len(traces), len(jobs))
+    paths = tuple(job.log_path for job in jobs if job.log_path is not None)
+    return RecordedDrives(paths, tuple(traces[i] for i in range(len(jobs))))
