@@ -51,11 +51,16 @@ def drawn_by_hand(free, paths, config):
                 portions.append(current)
                 current = []
         for portion in [*portions, current]:
-            nearest = min(range(len(portion)), key=lambda k: math.hypot(*portion[k]), default=0)
-            onward = portion[nearest:]
-            if len(onward) * STEP >= config.shortest and onward:
-                path_cells |= {cell(p) for p in onward}
-                end_cells.add(cell(onward[-1]))
+            nearest, away = 0, False
+            for k, point in enumerate(portion):
+                if math.hypot(*point) >= math.hypot(*portion[nearest]) + config.shortest:
+                    away = True
+                    break
+                if math.hypot(*point) < math.hypot(*portion[nearest]):
+                    nearest = k
+            if away:
+                path_cells |= {cell(p) for p in portion[nearest:]}
+                end_cells.add(cell(portion[-1]))
     image = np.zeros((100, 100))
     for radius, value, cells in (
         (config.path_radius, config.path_value, path_cells),
@@ -82,7 +87,8 @@ def test_the_target_is_the_one_drawn_by_hand(config):
         line((0.3, 0.02), (1.5, 0.1), (2.2, 1.9)),
         line((0.7, 0.6), (2.6, 0.8)),
         line((2.4, -1.0), (0.6, -0.2)),  # comes towards the robot
-        line((1.4, -2.0), (1.4, -0.4)),  # crosses in front of it
+        line((1.4, -2.0), (1.4, 1.0)),  # crosses in front of it
+        line((0.5, -0.3), (1.9, -0.4), (0.5, -0.5)),  # leads away and comes back
     ]
     expected = drawn_by_hand(free, paths, config)
     np.testing.assert_allclose(draw_target(free, *joined(paths), config), expected, atol=2e-3)  # cv2's kernel is cut
@@ -146,13 +152,14 @@ def test_logs_that_name_no_place_share_nothing():
 
 
 def test_the_own_way_is_the_one_after_the_scan_and_no_later_visit():
-    there_and_back = [(3.0, 0.8, 0.0), (np.pi, 0.0, 1.0), (3.0, 0.8, 0.0), (np.pi, 0.0, 1.0), (5.0, 0.8, -0.3)]
-    log = corridor_log(there_and_back, (0.0, 0.0, 0.0))
-    own = heatmap_pairs([log], HeatmapTargetConfig(paths="own"))
-    place = heatmap_pairs([log], HeatmapTargetConfig(paths="place"))
-    first = [pairs.target[pairs.scan == 0][0].astype(float) for pairs in (own, place)]
-    assert not first[0][:44].any()
-    assert first[1][:44].any()  # the last leg, which bends to the right
+    later = [(2.0, 0.8, 0.0), (np.pi, 0.0, 1.0), (2.0, 0.8, 0.0), (np.pi, 0.0, 1.0), (1.6, 0.8, -0.3), (1.0, 0.8, 0.3)]
+    log = corridor_log(later)
+    own, place = (
+        heatmap_pairs([log], HeatmapTargetConfig(paths=paths, spacing=0.0)).take(np.array([0])).target[0].astype(float)
+        for paths in ("own", "place")
+    )
+    assert own[:40].max() < 0.02  # what the Gaussian leaves
+    assert place[:40].max() > 0.4  # the last leg, which bends to the right
 
 
 @pytest.mark.parametrize("paths", ["place", "own"])
