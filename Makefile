@@ -4,6 +4,8 @@
 
 VENV := .venv
 BIN := $(VENV)/bin
+# pinned: an open range takes several gigabytes of CUDA packages; users choose their own build
+TORCH := torch==2.13.0
 LINTED := python tests/py benchmarks examples tools
 SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
 
@@ -39,12 +41,12 @@ $(BIN)/python:
 	python3 -m venv $(VENV)
 
 $(VENV)/.installed-study: $(SOURCES) | $(BIN)/python
-	$(BIN)/pip install --quiet '.[study]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
+	$(BIN)/pip install --quiet $(TORCH) '.[study,train]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
 	touch $@
 
 $(VENV)/.installed-test: $(SOURCES) $(wildcard tests/cpp/*.cpp tests/cpp/*/*.cpp) | $(BIN)/python
 	sh tools/system-packages.sh build test
-	$(BIN)/pip install --quiet '.[study,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
+	$(BIN)/pip install --quiet $(TORCH) '.[study,train,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
 	touch $@ $(VENV)/.installed-study
 
 clean:

@@ -15,9 +15,9 @@ MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
     "wheelchair": FACADES | {"datasets"},
-    "study": FACADES | {"datasets", "wheelchair"},
     "training": FACADES | {"datasets", "wheelchair"},
-    "cli": FACADES | {"datasets", "wheelchair", "study"},
+    "study": FACADES | {"datasets", "wheelchair", "training"},
+    "cli": FACADES | {"datasets", "wheelchair", "training", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion"}
@@ -77,8 +77,15 @@ def test_a_cpp_file_includes_only_its_own_module_and_those_below(path: Path) -> 
 
 def test_importing_lfdcore_needs_neither_scipy_nor_matplotlib_nor_torch() -> None:
     facades = ", ".join(f"lfdcore.{name}" for name in sorted(FACADES))
-    code = (
-        f"import sys, lfdcore, {facades}; print(sorted({{'scipy', 'sklearn', 'matplotlib', 'torch', 'cv2'}} & set(sys.modules)))"
-    )
+    heavy = {"scipy", "sklearn", "matplotlib", "torch", "cv2", "onnx", "onnxruntime"}
+    code = f"import sys, lfdcore, {facades}; print(sorted({heavy} & set(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("stage", ["wheelchair", "study"])
+def test_only_training_needs_torch(stage: str) -> None:
+    names = [f"lfdcore.{stage}.{p.stem}" for p in sorted((PACKAGE / stage).glob("[!_]*.py"))]
+    code = f"import sys, {', '.join(names)}; print(sorted({{'torch', 'onnx'}} & set(sys.modules)))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"

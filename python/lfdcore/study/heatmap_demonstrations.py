@@ -117,10 +117,5 @@ def _able(config: AbleConfig, course: Course) -> Driver:
 
 
 def _record(jobs: list[Job], processes: int | None, progress: Progress | None) -> RecordedDrives:
-    traces: dict[int, DriveTrace] = {}
-    for index, trace in run_jobs(jobs, processes):
-        traces[index] = trace
-        if progress is not None:
-            progress(len(traces), len(jobs))
-    paths = tuple(job.log_path for job in jobs if job.log_path is not None)
-    return RecordedDrives(paths, tuple(traces[i] for i in range(len(jobs))))
+    traces = run_jobs(jobs, progress, processes)
+    return RecordedDrives(tuple(job.log_path for job in jobs if job.log_path is not None), traces)

@@ -6,6 +6,7 @@ seed and on k only.
 
 from __future__ import annotations
 
+import hashlib
 import multiprocessing
 import os
 import signal
@@ -130,9 +131,7 @@ def run_drive(
     log = None
     if log_path is not None:
         about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
-        about |= limits_note(config.chair.limits)
-        # odometry begins at (0, 0, 0) in the course's start: heatmap_targets relates runs of one place by this
-        about |= {"place": course.name, "T_place_odom": " ".join(repr(float(value)) for value in course.start)}
+        about |= limits_note(config.chair.limits) | place_note(course)
         log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
     collision, odometry_twist = False, Twist2()
     outcome = None
@@ -169,6 +168,15 @@ def run_drive(
         footprint=config.chair.footprint,
         **recorder.arrays(),
     )
+
+
+def place_note(course: Course) -> dict[str, str]:
+    """Metadata by which runs of one world, on whatever route, share a frame: `place` names the world by what it is, and
+    odometry began at (0, 0, 0) in the course's start (`T_place_odom`: x y [m], yaw [rad])."""
+    what = hashlib.sha256(np.ascontiguousarray(course.grid.data).tobytes())
+    what.update(repr((course.grid.resolution, *course.grid.origin)).encode())
+    pose = " ".join(repr(float(value)) for value in course.start)
+    return {"place": what.hexdigest()[:16], "T_place_odom": pose}
 
 
 def _write(log: DriveLogWriter, seen: Observation, said: Assistance, desired: NDArray[np.float64]) -> None:

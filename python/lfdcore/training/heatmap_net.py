@@ -50,7 +50,7 @@ Mask = NDArray[np.bool_]
 class HeatmapNetConfig:
     """kind: `sensor` sees the free space, `naive` the joystick beside it (Sec. 4.6.2); validation: share of the runs that
     early stopping looks at; patience: epochs without improvement after which it stops; threads: of torch (the bytes
-    depend on their number)."""
+    depend on their number; more than one crawls on a machine that is busy with other work)."""
 
     kind: Literal["sensor", "naive"] = "sensor"
     width: int = 24
@@ -62,7 +62,7 @@ class HeatmapNetConfig:
     validation: float = 0.15
     mirror: bool = True
     seed: int = 0
-    threads: int = 2
+    threads: int = 1
 
     def __post_init__(self) -> None:
         if self.kind not in ("sensor", "naive"):
@@ -157,7 +157,7 @@ def train_heatmap_net(
     _check(pairs, held_out, config)
     started = time.perf_counter()
     with _deterministic(config):
-        net = HeatmapNet(config.width)
+        net = HeatmapNet(config.width).to(memory_format=torch.channels_last)  # a quarter faster on CPUs
         curve, best = _Training(net, pairs, config, progress, on_epoch).run(~held_out, held_out)
     net.eval()
     model = export_onnx(net, config.kind, {"config": dataclasses.asdict(config), "data_hash": _hash(pairs)})

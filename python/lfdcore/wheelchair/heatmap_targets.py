@@ -8,8 +8,8 @@ What the thesis leaves open, and what is done here:
   demonstration paths"). A place is a name in the log's metadata (`place`), and `T_place_odom` ("x y yaw") says where its
   odometry began; a log that names no place shares with no other. `paths="own"` takes the way driven after the scan
   alone: the naive CNN's target (Fig. 4.15b), and the only honest one where odometry drifts.
-- *Which direction*: a driver's path leads away. Each visible portion counts from its point nearest to base_link on; what
-  comes towards the robot, driven the other way, leaves nothing.
+- *Which direction*: a driver's path leads away. Of each visible portion the beginning that comes towards the robot does
+  not count; what only comes towards it, driven the other way, leaves nothing.
 - *Visible*: cells that the scan sees free, gaps of one cell between beams closed. A portion ends where it leaves them
   (or the window, or the log); that end is dilated. Where it begins is not.
 - *Sizes*: paths .15 m wide, ends .35 m, Gaussian sigma of .1 m.
@@ -57,7 +57,7 @@ class HeatmapTargetConfig:
     end_radius: float = 0.15
     sigma: float = 0.1
     shortest: float = 0.3
-    """visible portions that are shorter do not count"""
+    """visible portions that do not lead away by so much do not count"""
 
     def __post_init__(self) -> None:
         if self.paths not in ("place", "own"):
@@ -130,9 +130,9 @@ def heatmap_pairs(
         if progress:
             progress(number + 1, len(logs))
     if not collected.free:
-        found = ", ".join(f"{cause}: {count}" for cause, count in sorted(dropped.items()))
+        found = ", ".join(f"{cause}: {count}" for cause, count in sorted(dropped.items()) if count)
         raise ValueError(f"{len(logs)} logs hold no scan with a path through its free space ({found or 'no scans'})")
-    return collected.pairs(dict(dropped))
+    return collected.pairs({cause: count for cause, count in dropped.items() if count})
 
 
 class _Collected:
@@ -300,7 +300,7 @@ def squashed(heatmap: Heatmap) -> Heatmap:
 def _portions(
     visible: NDArray[np.uint8], points: Floats, run: NDArray[np.int_], config: HeatmapTargetConfig
 ) -> list[Floats]:
-    """The visible portions of the paths, each from its point nearest to base_link on."""
+    """The visible portions of the paths, as far as they lead away."""
     cells = np.floor((points + WINDOW) / RESOLUTION).astype(int)
     inside = ((cells >= 0) & (cells < CELLS)).all(axis=1)
     seen = np.flatnonzero(inside)
@@ -310,11 +310,20 @@ def _portions(
         parts = parts[:1]
     found = []
     for part in parts:
-        if len(part) * STEP >= config.shortest and len(part):
-            onward = part[int(np.argmin((points[part] ** 2).sum(axis=1))) :]
-            if len(onward) * STEP >= config.shortest:
-                found.append(points[onward])
+        away = _leading_away(points[part], config.shortest) if len(part) else part
+        if len(away):
+            found.append(away)
     return found
+
+
+def _leading_away(portion: Floats, least: float) -> Floats:
+    """A portion (M, 2) without its beginning that comes towards base_link: from the nearest point before the first rise
+    by `least` [m] on; empty if it never leads away."""
+    distance = np.hypot(*portion.T)
+    risen = distance - np.minimum.accumulate(distance) >= least
+    if not risen.any():
+        return portion[:0]
+    return portion[int(np.argmin(distance[: int(np.argmax(risen)) + 1])) :]
 
 
 def _dilated(mask: NDArray[np.uint8], radius: float) -> NDArray[np.uint8]:
