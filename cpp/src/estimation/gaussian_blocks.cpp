@@ -44,37 +44,41 @@ LFDCORE_INLINE void squared_distances(const double* __restrict rows, const doubl
   }
 }
 
-// sqrt(3 or 5) r, held where exp(-s) is 0 (its product with a larger s would be NaN). NaN stays.
+// exp(-x), x >= 0, but not below 1e-150, which is nothing beside 1: the vector exp is slow near its underflow. NaN
+// stays.
+LFDCORE_INLINE double decay(double x) { return exp(x > 345 ? -345.0 : -x); }
+
+// sqrt(3 or 5) r, held where the exponential is least (its product with an infinite s would be infinite).
 LFDCORE_INLINE double matern_distance(double times, double squared) {
   const double s = __builtin_sqrt(times * squared);
-  return s > 745 ? 745 : s;
+  return s > 1e3 ? 1e3 : s;
 }
 
 // C.5 and C.6 in place of the squared distances; the derivative by log l_d is slope u_d^2 in all three.
 LFDCORE_INLINE void squared_exponential(double variance, int count, double* __restrict values) {
-  for (int i = 0; i < count; ++i) values[i] = variance * exp(-0.5 * values[i]);
+  for (int i = 0; i < count; ++i) values[i] = variance * decay(0.5 * values[i]);
 }
 LFDCORE_INLINE void matern_3_2(double variance, int count, double* __restrict values) {
   for (int i = 0; i < count; ++i) {
     const double s = matern_distance(3, values[i]);
-    values[i] = variance * (1 + s) * exp(-s);
+    values[i] = variance * (1 + s) * decay(s);
   }
 }
 LFDCORE_INLINE void matern_3_2_slope(double variance, int count, const double* __restrict squared,
                                      double* __restrict slopes) {
-  for (int i = 0; i < count; ++i) slopes[i] = variance * 3 * exp(-matern_distance(3, squared[i]));
+  for (int i = 0; i < count; ++i) slopes[i] = variance * 3 * decay(matern_distance(3, squared[i]));
 }
 LFDCORE_INLINE void matern_5_2(double variance, int count, double* __restrict values) {
   for (int i = 0; i < count; ++i) {
     const double s = matern_distance(5, values[i]);
-    values[i] = variance * (1 + s + s * s / 3) * exp(-s);
+    values[i] = variance * (1 + s + s * s / 3) * decay(s);
   }
 }
 LFDCORE_INLINE void matern_5_2_slope(double variance, int count, const double* __restrict squared,
                                      double* __restrict slopes) {
   for (int i = 0; i < count; ++i) {
     const double s = matern_distance(5, squared[i]);
-    slopes[i] = variance * (5.0 / 3) * (1 + s) * exp(-s);
+    slopes[i] = variance * (5.0 / 3) * (1 + s) * decay(s);
   }
 }
 
@@ -191,6 +195,17 @@ BlockKernels entries() {
 }
 
 }  // namespace
+
+#if defined(__x86_64__)
+constexpr unsigned flush_to_zero = 0x8040;  // results (FTZ) and operands (DAZ)
+SubnormalsFlushed::SubnormalsFlushed() : before_(__builtin_ia32_stmxcsr()) {
+  __builtin_ia32_ldmxcsr(before_ | flush_to_zero);
+}
+SubnormalsFlushed::~SubnormalsFlushed() { __builtin_ia32_ldmxcsr(before_); }
+#else
+SubnormalsFlushed::SubnormalsFlushed() : before_(0) {}
+SubnormalsFlushed::~SubnormalsFlushed() {}
+#endif
 
 std::vector<BlockKernels> block_kernels_of_this_cpu() {
   std::vector<BlockKernels> found{entries<Baseline>()};
