@@ -64,7 +64,8 @@ def search_bounds(inputs: Floats, targets: Floats, config: HyperParameterConfig)
     rows = [np.multiply(config.amplitude, scale)]
     rows += [np.multiply(config.lengthscale, w or 1.0) for w in width]
     rows += [np.multiply(config.noise, scale)]
-    return np.log(np.array(rows))
+    bounds: Floats = np.log(np.array(rows))
+    return bounds
 
 
 def fit_hyper_parameters(
