@@ -44,7 +44,7 @@ $(VENV)/.installed-study: $(SOURCES) | $(BIN)/python
 
 $(VENV)/.installed-test: $(SOURCES) $(wildcard tests/cpp/*.cpp tests/cpp/*/*.cpp) | $(BIN)/python
 	sh tools/system-packages.sh build test
-	$(BIN)/pip install --quiet '.[study,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
+	$(BIN)/pip install --quiet '.[study,train,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
 	touch $@ $(VENV)/.installed-study
 
 clean:

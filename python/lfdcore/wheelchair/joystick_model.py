@@ -141,7 +141,8 @@ class JoystickBins:
         freedom = np.sum(np.maximum(self.count - 1, 0))
         pooled = np.sum(self.count[:, None] * self.variance, axis=0) / max(freedom, 1.0)
         weight = self.count[:, None]
-        return (weight * self.variance + pooled_samples * pooled) / (weight + pooled_samples)
+        shared: Floats = (weight * self.variance + pooled_samples * pooled) / (weight + pooled_samples)
+        return shared
 
     def training_data(self, axis: int, config: JoystickModelConfig) -> tuple[Floats, Floats, Floats]:
         """-> inputs (N, 2), targets (N,), noise variances (N,) of the bins with data."""
@@ -300,8 +301,8 @@ class JoystickAdapterConfig:
 class JoystickAdapter:
     """Adapts a joystick model to its driver while driving (Sec. 6.2.1).
 
-    The driver's own pairs go into bins of their own, joined with the demonstrations' for every conditioning. Memory: the
-    bins' statistics, nothing else. The hyper-parameters stay.
+    The driver's own pairs go into bins of their own, joined with the demonstrations' for every conditioning. Memory:
+    the bins' statistics, nothing else. The hyper-parameters stay.
     """
 
     def __init__(self, trained: JoystickModel, config: JoystickAdapterConfig | None = None) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution as scipy_evolution
+from sklearn.gaussian_process import kernels as sklearn_kernels
 
 from lfdcore.estimation import (
     DifferentialEvolutionConfig,
@@ -22,8 +23,6 @@ from lfdcore.training.gp_hyperparameters import (
     fit_hyper_parameters,
     search_bounds,
 )
-
-sklearn_kernels = pytest.importorskip("sklearn.gaussian_process.kernels")
 
 Floats = NDArray[np.float64]
 FAMILIES = ("squared_exponential", "matern_3_2", "matern_5_2")

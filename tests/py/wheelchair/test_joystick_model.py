@@ -109,7 +109,7 @@ def test_the_variance_is_that_of_the_wanted_input(trained: JoystickModel) -> Non
 
 
 def test_learning_from_pairs_finds_a_bias_and_beats_the_raw_stick() -> None:
-    pytest.importorskip("sklearn")
+    pytest.importorskip("scipy")
     from lfdcore.training.gp_hyperparameters import fit_joystick_model
 
     model = fit_joystick_model(*drive(2, 5000, bias=0.4))
@@ -166,6 +166,20 @@ def test_after_60_s_a_biased_driver_is_met_with_at_most_7_tenths_of_the_error(
         adapter.add(raw, followed)
     later = drive(50 + seed, 1000, bias)
     assert error(adapter.model, *later) <= 0.7 * error(trained, *later)
+
+
+def test_a_driver_is_met_also_after_demonstrations_in_which_nothing_was_corrected() -> None:
+    pytest.importorskip("scipy")
+    from lfdcore.training.gp_hyperparameters import fit_joystick_model
+
+    wanted = drive(0, 3000, bias=0.0)[1]
+    blank = fit_joystick_model(wanted, wanted)
+    adapter = JoystickAdapter(blank)
+    for raw, followed in zip(*drive(1, 600, bias=0.3), strict=True):
+        adapter.add(raw, followed)
+    later = drive(2, 1000, bias=0.3)
+    assert error(adapter.model, *later) <= 0.7 * error(blank, *later)
+    assert 0 < blank.predict((0.8, 0.0)).variance[0] < 0.2
 
 
 @pytest.mark.parametrize("seed", range(5))
