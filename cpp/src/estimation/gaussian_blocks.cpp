@@ -31,8 +31,15 @@ LFDCORE_INLINE void store(double* to, Vec<N> value) {
   *reinterpret_cast<typename Lanes<N>::Unaligned*>(to) = value;
 }
 
+// The exponent is held at -345, a covariance of 1e-150 where a^2 = 1: the vector exp is slow near its underflow, and
+// Matern's polynomial must not be infinite there. Held here and not beside exp, where GCC would take the exponential of
+// both. NaN stays.
+LFDCORE_INLINE double largest_square(KernelFamily family) {
+  return family == KernelFamily::squared_exponential ? 345 * 2.0 : 345 * 345 / 5.0;
+}
+
 LFDCORE_INLINE void squared_distances(const double* __restrict rows, const double* __restrict columns, int dims,
-                                      int count, double* __restrict values) {
+                                      int count, double largest, double* __restrict values) {
   for (int j = 0; j < count; ++j) {
     double* out = values + j * lanes;
     for (int i = 0; i < lanes; ++i) out[i] = 0;
@@ -41,13 +48,8 @@ LFDCORE_INLINE void squared_distances(const double* __restrict rows, const doubl
         const double u = rows[d * lanes + i] - columns[d * lanes + j];
         out[i] += u * u;
       }
+    for (int i = 0; i < lanes; ++i) out[i] = out[i] > largest ? largest : out[i];
   }
-}
-
-// sqrt(3 or 5) r, held where exp(-s) is 0 (its product with a larger s would be NaN). NaN stays.
-LFDCORE_INLINE double matern_distance(double times, double squared) {
-  const double s = __builtin_sqrt(times * squared);
-  return s > 745 ? 745 : s;
 }
 
 // C.5 and C.6 in place of the squared distances; the derivative by log l_d is slope u_d^2 in all three.
@@ -56,31 +58,31 @@ LFDCORE_INLINE void squared_exponential(double variance, int count, double* __re
 }
 LFDCORE_INLINE void matern_3_2(double variance, int count, double* __restrict values) {
   for (int i = 0; i < count; ++i) {
-    const double s = matern_distance(3, values[i]);
+    const double s = __builtin_sqrt(3 * values[i]);
     values[i] = variance * (1 + s) * exp(-s);
   }
 }
 LFDCORE_INLINE void matern_3_2_slope(double variance, int count, const double* __restrict squared,
                                      double* __restrict slopes) {
-  for (int i = 0; i < count; ++i) slopes[i] = variance * 3 * exp(-matern_distance(3, squared[i]));
+  for (int i = 0; i < count; ++i) slopes[i] = variance * 3 * exp(-__builtin_sqrt(3 * squared[i]));
 }
 LFDCORE_INLINE void matern_5_2(double variance, int count, double* __restrict values) {
   for (int i = 0; i < count; ++i) {
-    const double s = matern_distance(5, values[i]);
+    const double s = __builtin_sqrt(5 * values[i]);
     values[i] = variance * (1 + s + s * s / 3) * exp(-s);
   }
 }
 LFDCORE_INLINE void matern_5_2_slope(double variance, int count, const double* __restrict squared,
                                      double* __restrict slopes) {
   for (int i = 0; i < count; ++i) {
-    const double s = matern_distance(5, squared[i]);
+    const double s = __builtin_sqrt(5 * squared[i]);
     slopes[i] = variance * (5.0 / 3) * (1 + s) * exp(-s);
   }
 }
 
 LFDCORE_INLINE void covariance_block(KernelFamily family, double variance, const double* rows, const double* columns,
                                      int dims, int count, double* values, double* slopes) {
-  squared_distances(rows, columns, dims, count, values);
+  squared_distances(rows, columns, dims, count, largest_square(family), values);
   const int all = count * lanes;
   if (family == KernelFamily::squared_exponential) {
     squared_exponential(variance, all, values);
@@ -191,6 +193,17 @@ BlockKernels entries() {
 }
 
 }  // namespace
+
+#if defined(__x86_64__)
+constexpr unsigned flush_to_zero = 0x8040;  // results (FTZ) and operands (DAZ)
+SubnormalsFlushed::SubnormalsFlushed() : before_(__builtin_ia32_stmxcsr()) {
+  __builtin_ia32_ldmxcsr(before_ | flush_to_zero);
+}
+SubnormalsFlushed::~SubnormalsFlushed() { __builtin_ia32_ldmxcsr(before_); }
+#else
+SubnormalsFlushed::SubnormalsFlushed() : before_(0) {}
+SubnormalsFlushed::~SubnormalsFlushed() {}
+#endif
 
 std::vector<BlockKernels> block_kernels_of_this_cpu() {
   std::vector<BlockKernels> found{entries<Baseline>()};

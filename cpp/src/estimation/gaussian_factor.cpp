@@ -146,6 +146,7 @@ double GaussianFactor::noise_bound(int row) const {
 }
 
 double GaussianFactor::factor(const GaussianScales& scales, double give_up_below) {
+  const SubnormalsFlushed flushed;
   scales_ = scales;
   scale_inputs(scales.lengthscales);
   failed_ = -1;
@@ -165,6 +166,7 @@ double GaussianFactor::factor(const GaussianScales& scales, double give_up_below
 
 // L^-T: the rows X of X L' = I, which start at the diagonal.
 void GaussianFactor::invert() {
+  const SubnormalsFlushed flushed;
   upper_.resize(std::size_t(blocks_) * blocks_ * block_size);
   for (int row = 0; row < blocks_; ++row) {
     double* panel = upper_.data() + std::size_t(row) * blocks_ * block_size;
@@ -197,6 +199,7 @@ void GaussianFactor::misfit(int row, int column, double* block) const {
 
 // d log p / d theta = tr((w w' - K^-1) dK / d theta) / 2
 void GaussianFactor::gradient(std::span<double> derivatives) {
+  const SubnormalsFlushed flushed;
   std::ranges::fill(derivatives, 0.0);
   std::array<double, block_size> weight;
   const double noise_slope = 2 * scales_.noise * scales_.noise;

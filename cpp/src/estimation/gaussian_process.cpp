@@ -122,6 +122,7 @@ GaussianMoments GaussianProcess::predict(const RowMatrix& queries, bool with_noi
   const Eigen::Index M = queries.rows(), D = dimensions();
   require(queries.cols() == D,
           "queries have " + std::to_string(queries.cols()) + " columns, the training inputs " + std::to_string(D));
+  const detail::SubnormalsFlushed flushed;
   GaussianMoments moments{Eigen::VectorXd(M), Eigen::VectorXd(M)};
   constexpr Eigen::Index few = 4;  // from here on 32 at once cost less
   if (M <= few) {

@@ -41,17 +41,18 @@ class GaussianProcessRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
 
     def fit(self, X: ArrayLike, y: ArrayLike, noise_variances: ArrayLike | float = 0.0) -> GaussianProcessRegressor:
         """X (N, D), y (N,), noise_variances (N,) or one for all: known before, beside the fitted noise."""
-        X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, order="C")
-        self.mean_ = float(np.mean(y)) if self.centre else 0.0
-        variances = np.broadcast_to(np.asarray(noise_variances, dtype=float), y.shape)
+        inputs, outputs = validate_data(self, X, y, dtype=np.float64, y_numeric=True, order="C")
+        targets = np.array(outputs, dtype=float)
+        self.mean_ = float(targets.mean()) if self.centre else 0.0
+        targets -= self.mean_
+        variances = np.broadcast_to(np.asarray(noise_variances, dtype=float), targets.shape)
         seed = int(check_random_state(self.random_state).randint(2**31))
         evolution = DifferentialEvolutionConfig(generations=self.generations, absolute_tolerance=0.01, seed=seed)
         config = HyperParameterConfig(family=self.family, evolution=evolution, polish=self.polish)
-        targets = np.asarray(y, dtype=float) - self.mean_
-        found = fit_hyper_parameters(X, targets, variances, config)
+        found = fit_hyper_parameters(inputs, targets, variances, config)
         self.kernel_, self.noise_ = found.kernel, found.noise
         self.log_marginal_likelihood_ = found.log_likelihood
-        self._data = (X, targets, np.array(variances))
+        self._data = (inputs, targets, np.array(variances))
         self._condition()
         return self
 
@@ -61,8 +62,8 @@ class GaussianProcessRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
     def predict(self, X: ArrayLike, return_std: bool = False) -> Floats | tuple[Floats, Floats]:
         """X (M, D) -> mean (M,), with return_std also the standard deviation of f (C.4)."""
         check_is_fitted(self)
-        X = validate_data(self, X, dtype=np.float64, order="C", reset=False)
-        moments = self._process.predict(X)
+        queries = validate_data(self, X, dtype=np.float64, order="C", reset=False)
+        moments = self._process.predict(queries)
         mean = moments.mean + self.mean_
         return (mean, np.sqrt(moments.variance)) if return_std else mean
 

@@ -64,7 +64,8 @@ def search_bounds(inputs: Floats, targets: Floats, config: HyperParameterConfig)
     rows = [np.multiply(config.amplitude, scale)]
     rows += [np.multiply(config.lengthscale, w or 1.0) for w in width]
     rows += [np.multiply(config.noise, scale)]
-    return np.log(np.array(rows))
+    bounds: Floats = np.log(np.array(rows))
+    return bounds
 
 
 def fit_hyper_parameters(
@@ -120,19 +121,30 @@ def fit_gaussian_process(
     )
 
 
+STICK_SEARCH = HyperParameterConfig(lengthscale=(0.1, 1.0))
+"""Length-scales from a bin of the used range to all of it: where nothing was corrected, any other would do as well."""
+
+
 def fit_joystick_model(
     raw: ArrayLike,
     safe: ArrayLike,
     config: JoystickModelConfig | None = None,
     search: HyperParameterConfig | None = None,
+    least_amplitude: float = 0.1,
 ) -> JoystickModel:
     """The model of Sec. 4.4.2 from pairs (N, 2) of raw and safe joystick, (forward, left): bins, then one search of
-    hyper-parameters for each axis. ValueError for pairs that do not fit, are not finite or outside [-1, 1]."""
-    config = config or JoystickModelConfig()
+    hyper-parameters for each axis (by default STICK_SEARCH). Able demonstrators are hardly corrected; the driver to
+    come may be, so the amplitude is at least least_amplitude.
+
+    ValueError for pairs that do not fit, are not finite or outside [-1, 1].
+    """
+    config, search = config or JoystickModelConfig(), search or STICK_SEARCH
     bins = JoystickBins.of_pairs(raw, safe, config)
     priors = []
     for axis in (0, 1):
         inputs, targets, variances = bins.training_data(axis, config)
         found = fit_hyper_parameters(inputs, targets, variances, search)
-        priors.append(JoystickPrior(found.kernel, found.noise))
+        amplitude = max(found.kernel.amplitude, least_amplitude)
+        kernel = Kernel(amplitude, found.kernel.lengthscales, family=found.kernel.family)
+        priors.append(JoystickPrior(kernel, found.noise))
     return JoystickModel(bins, (priors[0], priors[1]), config)

@@ -1,7 +1,7 @@
 """What the driver wants, from what the driver gives: one Gaussian process a joystick axis (Sec. 4.4.2).
 
-Pairs of raw and safe (or followed) joystick are put into 10 x 10 bins over [-1, 1]^2; each bin with data is one training
-sample. `JoystickAdapter` goes on learning from its driver (Sec. 6.2.1).
+Pairs of raw and safe (or followed) joystick are put into 10 x 10 bins over [-1, 1]^2; each bin with data is one
+training sample. `JoystickAdapter` goes on learning from its driver (Sec. 6.2.1).
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from lfdcore.estimation import GaussianProcess, Kernel
 from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
 
 Floats = NDArray[np.float64]
-_KIND, _VERSION = "joystick model", 1
+_KIND, _DRIVER, _VERSION = "joystick model", "joystick adaptation", 1
+_NOTHING = 1e-3
+"""A bin with fewer samples, long forgotten, has none."""
 _LIMIT = 1 + 1e-6
 """A stick's end stop, with the rounding that an Observation grants it."""
 
@@ -113,16 +115,38 @@ class JoystickBins:
         target = total(y) / inside
         return JoystickBins(count, total(x) / inside, target, total((y - target[index]) ** 2) / inside)
 
+    def joined(self, other: JoystickBins) -> JoystickBins:
+        """The statistics of both sets of samples together."""
+        count = self.count + other.count
+        ours, theirs = (c[:, None] / np.where(count > 0, count, 1)[:, None] for c in (self.count, other.count))
+        target = ours * self.target + theirs * other.target
+        spread = ours * (self.variance + (self.target - target) ** 2)
+        spread += theirs * (other.variance + (other.target - target) ** 2)
+        return JoystickBins(count, ours * self.raw + theirs * other.raw, target, spread)
+
+    def tensors(self) -> Tensors:
+        """The arrays to store."""
+        return {name: np.asarray(getattr(self, name)) for name in ("count", "raw", "target", "variance")}
+
+    @staticmethod
+    def of_tensors(tensors: Tensors, config: JoystickModelConfig) -> JoystickBins:
+        """From what `tensors` gave. KeyError or ValueError if that is not what it claims to be."""
+        names = ("count", "raw", "target", "variance")
+        bins = JoystickBins(*(np.array(tensors[name], dtype=float) for name in names))
+        _check_bins(bins, config)
+        return bins
+
     def shared_variance(self, pooled_samples: float) -> Floats:
         """(B, 2): each bin's variance with `pooled_samples` samples of the pooled one; that alone where no data is."""
         freedom = np.sum(np.maximum(self.count - 1, 0))
         pooled = np.sum(self.count[:, None] * self.variance, axis=0) / max(freedom, 1.0)
         weight = self.count[:, None]
-        return (weight * self.variance + pooled_samples * pooled) / (weight + pooled_samples)
+        shared: Floats = (weight * self.variance + pooled_samples * pooled) / (weight + pooled_samples)
+        return shared
 
     def training_data(self, axis: int, config: JoystickModelConfig) -> tuple[Floats, Floats, Floats]:
         """-> inputs (N, 2), targets (N,), noise variances (N,) of the bins with data."""
-        there = self.count > 0
+        there = self.count > _NOTHING
         variance = self.shared_variance(config.pooled_samples)[there, axis]
         if config.noise == "of_mean":
             variance = variance / self.count[there]
@@ -211,9 +235,8 @@ class JoystickModel:
 
     def tensors(self) -> Tensors:
         """The arrays to store."""
-        arrays = {name: np.asarray(getattr(self.bins, name)) for name in ("count", "raw", "target", "variance")}
-        arrays["lengthscales"] = np.array([prior.kernel.lengthscales for prior in self.priors])
-        return arrays
+        scales = np.array([prior.kernel.lengthscales for prior in self.priors])
+        return {**self.bins.tensors(), "lengthscales": scales}
 
     def header(self) -> dict[str, Any]:
         """What to store beside the arrays, as JSON."""
@@ -225,9 +248,7 @@ class JoystickModel:
         """From what `header` and `tensors` gave. ModelError if that is not what it claims to be."""
         try:
             config = JoystickModelConfig(**header["config"])
-            names = ("count", "raw", "target", "variance")
-            bins = JoystickBins(*(np.array(tensors[name], dtype=float) for name in names))
-            _check_bins(bins, config)
+            bins = JoystickBins.of_tensors(tensors, config)
             scales = np.array(tensors["lengthscales"], dtype=float)
             priors = [
                 JoystickPrior(Kernel(axis["amplitude"], scales[k], family=axis["family"]), float(axis["noise"]))
@@ -262,64 +283,72 @@ class JoystickAdapterConfig:
     """How fast a driver's own pairs replace what was learned before."""
 
     trained_samples: float = 3.0
-    """A bin's demonstrations count as at most so many of the driver's samples."""
-    memory: float = 200.0
-    """A bin's samples count less with every new one there, so that they are worth at most so many."""
+    """A bin's demonstrations count as at most so many of the driver's samples, for ever."""
+    memory: float = 3000.0
+    """A pair counts e times less after so many others: 5 minutes at 10 Hz. Then the demonstrations hold again."""
     every: int = 10
     """New pairs between two conditionings of the processes."""
 
     def __post_init__(self) -> None:
-        if not 0 <= self.trained_samples <= self.memory < np.inf:
-            raise ValueError(f"trained_samples is {self.trained_samples}, must be 0 .. memory, {self.memory} samples")
-        if self.memory < 1:
-            raise ValueError(f"memory is {self.memory}, must be at least 1 sample")
+        if not 0 <= self.trained_samples < np.inf:
+            raise ValueError(f"trained_samples is {self.trained_samples}, must be >= 0 and finite")
+        if not 1 <= self.memory < np.inf:
+            raise ValueError(f"memory is {self.memory}, must be at least 1 pair and finite")
         if self.every < 1:
             raise ValueError(f"every is {self.every}, must be at least 1 pair")
 
 
 class JoystickAdapter:
-    """Adapts a joystick model to its driver while driving (Sec. 6.2.1). Memory: the bins' statistics, nothing else."""
+    """Adapts a joystick model to its driver while driving (Sec. 6.2.1).
+
+    The driver's own pairs go into bins of their own, joined with the demonstrations' for every conditioning. Memory:
+    the bins' statistics, nothing else. The hyper-parameters stay.
+    """
 
     def __init__(self, trained: JoystickModel, config: JoystickAdapterConfig | None = None) -> None:
-        """Starts from `trained`, whose hyper-parameters stay."""
+        """Starts from `trained`."""
         self.trained, self.config = trained, config or JoystickAdapterConfig()
         self.reset()
 
     @property
     def model(self) -> JoystickModel:
-        """As of the last conditioning: at most `every` - 1 pairs behind. `model.save` keeps it for `resume`."""
+        """As of the last conditioning: at most `every` - 1 pairs behind."""
         return self._model
 
     def reset(self) -> None:
         """Back to the trained model: another driver."""
-        self._adopt(self.trained)
-        limited = np.minimum(self._bins.count, self.config.trained_samples)
-        self._bins = replace(self._bins, count=limited)
+        self._own, self._new, self._model = JoystickBins.empty(self.trained.config), 0, self.trained
 
-    def resume(self, adapted: JoystickModel) -> None:
-        """Goes on from this driver's model of an earlier drive. ValueError if it has other bins or another prior."""
-        if adapted.config != self.trained.config:
-            raise ValueError("the adapted model was made with another configuration than the trained one")
-        self._adopt(adapted)
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """The driver's own statistics in one file, for `resume`."""
+        write_tensor_file(path, _DRIVER, _VERSION, {"config": asdict(self.trained.config)}, self._own.tensors())
 
-    def _adopt(self, model: JoystickModel) -> None:
-        self._model, self._new = model, 0
-        copies = (np.array(getattr(model.bins, name)) for name in ("count", "raw", "target", "variance"))
-        self._bins = JoystickBins(*copies)
+    def resume(self, path: str | os.PathLike[str]) -> None:
+        """Goes on where `save` was called, over this adapter's trained model. ModelError for a file that is damaged, of
+        another kind, version or configuration; then nothing is changed."""
+        header, tensors = read_tensor_file(path, _DRIVER, _VERSION)
+        if header.get("config") != asdict(self.trained.config):
+            raise ModelError(f"{path} was made with another configuration than the trained joystick model")
+        try:
+            own = JoystickBins.of_tensors(tensors, self.trained.config)
+        except (KeyError, TypeError, ValueError) as broken:
+            raise ModelError(f"{path} does not hold a driver's joystick statistics: {broken}") from broken
+        self._own = own
+        self._condition()
 
     def add(self, raw: ArrayLike, followed: ArrayLike) -> JoystickModel:
         """A pair (2,), (2,) of the raw joystick and the one that was followed -> the model now. ValueError for what is
         not finite or outside [-1, 1]; then nothing is learned."""
-        x, wanted = _pairs([raw], [followed])
-        config, bins = self.trained.config, self._bins
+        x, wanted = _pairs(np.asarray(raw)[None], np.asarray(followed)[None])
+        config, own = self.trained.config, self._own
         y = (wanted - x if config.prior == "identity" else wanted)[0]
         b = int(bin_of(x, config.bins)[0])
-        count = min(bins.count[b], self.config.memory - 1) + 1
-        share, off = 1 / count, y - bins.target[b]
-        bins.variance[b] = (1 - share) * (bins.variance[b] + share * off**2)
-        bins.target[b] += share * off
-        bins.raw[b] += share * (x[0] - bins.raw[b])
-        bins.count[b] = count
+        np.multiply(own.count, 1 - 1 / self.config.memory, out=own.count)
+        own.count[b] += 1
+        share, off = 1 / own.count[b], y - own.target[b]
+        own.variance[b] = (1 - share) * (own.variance[b] + share * off**2)
+        own.target[b] += share * off
+        own.raw[b] += share * (x[0] - own.raw[b])
         self._new += 1
         if self._new >= self.config.every:
             self._condition()
@@ -327,5 +356,6 @@ class JoystickAdapter:
 
     def _condition(self) -> None:
         self._new = 0
-        copies = (np.array(getattr(self._bins, name)) for name in ("count", "raw", "target", "variance"))
-        self._model = JoystickModel(JoystickBins(*copies), self.trained.priors, self.trained.config)
+        known = self.trained.bins
+        limited = replace(known, count=np.minimum(known.count, self.config.trained_samples))
+        self._model = JoystickModel(limited.joined(self._own), self.trained.priors, self.trained.config)
