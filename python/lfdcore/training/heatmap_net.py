@@ -48,9 +48,9 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class HeatmapNetConfig:
-    """kind: `sensor` sees the free space, `naive` the joystick beside it (Sec. 4.6.2); validation: share of the runs that
-    early stopping looks at; patience: epochs without improvement after which it stops; threads: of torch (the bytes
-    depend on their number; more than one crawls on a machine that is busy with other work)."""
+    """kind: `sensor` sees the free space, `naive` the joystick beside it (Sec. 4.6.2); validation: share of the runs
+    that early stopping looks at; patience: epochs without improvement after which it stops; threads: of torch (the
+    bytes depend on their number; more than one crawls on a machine that is busy with other work)."""
 
     kind: Literal["sensor", "naive"] = "sensor"
     width: int = 24

@@ -53,7 +53,7 @@ class HeatmapCalibration:
 
     def probabilities(self, heatmap: NDArray[np.floating]) -> NDArray[np.float32]:
         """Heat of any shape, in [0, 1] -> probability of being crossed, of the same shape."""
-        return np.interp(heatmap, self.heat, self.probability).astype(np.float32)
+        return np.asarray(np.interp(heatmap, self.heat, self.probability), np.float32)
 
 
 def pooled(values: Floats, weights: Floats) -> Floats:

@@ -5,8 +5,8 @@ Input: the local window's cells that one scan sees free. Target: the demonstrate
 
 What the thesis leaves open, and what is done here:
 - *Which paths*: `paths="place"` takes those of every log of the same place, at whatever time (Fig. 4.7b: "all
-  demonstration paths"). A place is a name in the log's metadata (`place`), and `T_place_odom` ("x y yaw") says where its
-  odometry began; a log that names no place shares with no other. `paths="own"` takes the way driven after the scan
+  demonstration paths"). A place is a name in the log's metadata (`place`), and `T_place_odom` ("x y yaw") says where
+  its odometry began; a log that names no place shares with no other. `paths="own"` takes the way driven after the scan
   alone: the naive CNN's target (Fig. 4.15b), and the only honest one where odometry drifts.
 - *Which direction*: a driver's path leads away. Of each visible portion the beginning that comes towards the robot does
   not count; what only comes towards it, driven the other way, leaves nothing.
@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal, Self
 
 import cv2
@@ -264,7 +265,7 @@ def _frame(log: DriveLog) -> Pose2:
 def _unbroken(log: DriveLog) -> list[slice]:
     breaks = np.flatnonzero(np.diff(log.odometry_stamp) > _GAP) + 1
     edges = [0, *breaks.tolist(), len(log.odometry_stamp)]
-    return [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [slice(a, b) for a, b in pairwise(edges)]
 
 
 def _resampled(stamp: Floats, points: Floats) -> tuple[Floats, Floats]:

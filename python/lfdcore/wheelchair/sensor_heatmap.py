@@ -31,10 +31,13 @@ def naive_images(free: NDArray[Any], joystick: NDArray[np.floating]) -> Images:
     pushed to the left, the right rear how far forward. What a scanner sees there is lost.
     """
     images = np.array(free, np.float32)
-    squashed = (np.asarray(joystick, np.float32) + 1) / 2
-    images[:, :HALF, :HALF] = squashed[:, 0, None, None]
-    images[:, HALF:, :HALF] = squashed[:, 1, None, None]
+    _fill_rear(images, joystick)
     return images
+
+
+def _fill_rear(images: Images, joystick: NDArray[np.floating]) -> None:
+    images[:, :HALF, :HALF] = (joystick[:, 0, None, None] + 1) / 2
+    images[:, HALF:, :HALF] = (joystick[:, 1, None, None] + 1) / 2
 
 
 class _Network:
@@ -92,7 +95,8 @@ class NaiveHeatmap(_Network):
             raise ValueError(f"joystick is {joystick}, must be (forward, left), each in [-1, 1]")
         if not _checked(free).any():
             return np.zeros((CELLS, CELLS), np.float32)
-        self._input[0] = naive_images(free[None], stick[None])
+        self._input[0, 0] = free
+        _fill_rear(self._input[0], stick[None])
         return self._run()
 
 

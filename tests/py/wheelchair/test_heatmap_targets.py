@@ -1,6 +1,7 @@
 """Sec. 4.3: training pairs of the sensor heatmap."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -19,14 +20,14 @@ BARE = HeatmapTargetConfig(sigma=0.0, path_radius=0.0, end_radius=0.0)
 def line(*corners):
     """Points STEP apart along a polyline [m]."""
     parts = []
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         n = max(1, round(math.dist(a, b) / STEP))
         parts.append(np.array(a) + np.linspace(0, 1, n, endpoint=False)[:, None] * (np.array(b) - a))
     return np.vstack([*parts, [corners[-1]]])
 
 
 def cell(point):
-    return tuple(int(math.floor((v + 2.5) / 0.05)) for v in (point[1], point[0]))
+    return tuple(math.floor((v + 2.5) / 0.05) for v in (point[1], point[0]))
 
 
 def blurred(image, sigma):
@@ -38,7 +39,7 @@ def blurred(image, sigma):
     return np.apply_along_axis(lambda row: np.convolve(row, kernel, "same"), 0, rows)
 
 
-def drawn_by_hand(free, paths, config):
+def drawn_by_hand(free, paths, config):  # noqa: PLR0912
     """The same from the definition: every cell asks for the nearest path cell and the nearest end."""
     path_cells, end_cells = set(), set()
     for path in paths:
