@@ -10,6 +10,7 @@ import hashlib
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -224,26 +225,33 @@ def run_jobs(
             tell(len(traces), len(jobs))
         return tuple(traces)
     others = set(multiprocessing.active_children())
-    with ProcessPoolExecutor(max_workers=count) as pool:
+    deaf = (signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all: this process ends the others
+    with ProcessPoolExecutor(count, initializer=signal.signal, initargs=deaf) as pool:
         try:
-            with _interrupt_masked():
+            with _interrupt_deferred():
                 futures = [pool.submit(job.run) for job in jobs]
             for done, future in enumerate(as_completed(futures), 1):
                 future.result()
                 tell(done, len(jobs))
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
             for process in set(multiprocessing.active_children()) - others:
                 process.terminate()
+            pool.shutdown(cancel_futures=True)
             raise
     return tuple(future.result() for future in futures)
 
 
 @contextmanager
-def _interrupt_masked() -> Iterator[None]:
-    """Processes started meanwhile never see Ctrl-C, which a terminal sends to all: this one ends them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _interrupt_deferred() -> Iterator[None]:
+    """Ctrl-C meanwhile counts afterwards: between a process's birth and its entry in a list nobody could end it."""
+    if threading.current_thread() is not threading.main_thread():  # which alone is interrupted
+        yield
+        return
+    pending: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: pending.append(number))
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.signal(signal.SIGINT, before)
+    if pending:
+        raise KeyboardInterrupt

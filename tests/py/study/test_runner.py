@@ -1,6 +1,7 @@
 """Runs and studies: the same bytes whatever the number of processes, the same noise in every arm, failures counted."""
 
 import dataclasses
+import signal
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from lfdcore.simulation import LidarConfig
 from lfdcore.study.courses import Course, figure_eight, flat
 from lfdcore.study.drivers import Driver, ImpairedDriver
 from lfdcore.study.driving import ARMS, DrivingStudy, make_assistant, run_driving_study
-from lfdcore.study.runner import Job, RunConfig, run_drive, run_jobs
+from lfdcore.study.runner import Job, RunConfig, _interrupt_deferred, run_drive, run_jobs
 from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.assistants import STOP, Unassisted
 from lfdcore.wheelchair.observation import Assistance, Observation
@@ -206,3 +207,12 @@ def test_every_arm_drives(arm: str, home_model: Path) -> None:
     trace = run_drive(course, ImpairedDriver(course), make(), 1, run)
     assert trace.assistant == arm
     assert np.hypot(*(trace.pose[-1, :2] - trace.pose[0, :2])) > 0.5
+
+
+def test_ctrl_c_while_processes_are_started_counts_once_all_are_known() -> None:
+    reached = False
+    with pytest.raises(KeyboardInterrupt), _interrupt_deferred():
+        signal.raise_signal(signal.SIGINT)
+        reached = True
+    assert reached
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
