@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "lfdcore/path.hpp"
 #include "lfdcore/planning/user_heatmap.hpp"
 
 namespace lfdcore {
@@ -75,6 +76,16 @@ void bind_heatmap(py::module_& m) {
         "How well a control point (2,) [m, base_link] complies with a stick's OrientationMoments, in [0, 1]: the "
         "density at the point's exact orientation relative to its peak, unfiltered (ERRATA 29); above .9 within .46 "
         "sd. 1 at the origin. ValueError as user_heatmap, and for a point that is not finite.");
+  m.def(
+      "compliances",
+      [](const Eigen::Ref<const Path>& points, const OrientationMoments& orientation, const MotionLimits& limits) {
+        Eigen::VectorXd result(points.rows());
+        for (Eigen::Index i = 0; i < points.rows(); ++i)
+          result[i] = compliance(points.row(i).transpose(), orientation, limits);
+        return result;
+      },
+      py::arg("control_points"), py::arg("orientation"), py::arg("limits") = MotionLimits{}, without_gil(),
+      "`compliance` of each of N points (N, 2) [m, base_link] -> (N,).");
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ __all__: list[str] = [
     "arc_orientation",
     "baseline_preference",
     "compliance",
+    "compliances",
     "greedy_path",
     "heatmap_reward",
     "joystick_orientation",
@@ -538,6 +539,15 @@ def compliance(
 ) -> float:
     """
     How well a control point (2,) [m, base_link] complies with a stick's OrientationMoments, in [0, 1]: the density at the point's exact orientation relative to its peak, unfiltered (ERRATA 29); above .9 within .46 sd. 1 at the origin. ValueError as user_heatmap, and for a point that is not finite.
+    """
+
+def compliances(
+    control_points: numpy.typing.NDArray[numpy.float64],
+    orientation: OrientationMoments,
+    limits: lfdcore._core.geometry.MotionLimits = ...,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    `compliance` of each of N points (N, 2) [m, base_link] -> (N,).
     """
 
 @typing.overload

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 from lfdcore.control import DynamicWindowConfig
+from lfdcore.errors import ModelError
 from lfdcore.study.courses import Course
 from lfdcore.study.drivers import Driver, ImpairedConfig, ImpairedDriver, population
 from lfdcore.study.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
@@ -22,22 +23,45 @@ from lfdcore.wheelchair.assistants import (
     Supervised,
     Unassisted,
 )
+from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.models import Model, load_model
 from lfdcore.wheelchair.observation import ChairGeometry
+from lfdcore.wheelchair.planner import Compliance
 
-ARMS = ("none", "dwa", "primitives")
+ARMS = ("none", "dwa", "primitives", "heatmaps")
 """Assistants of the study, the unassisted arm first."""
-FOOTNOTE_ARMS = ("dwa_1s", "thesis", "supervisor")
-"""On request: DWA that looks no farther than its goal, the printed loop, and the bare supervisor on the driver's own
-input."""
+FOOTNOTE_ARMS = ("dwa_1s", "thesis", "heatmaps_thesis", "supervisor")
+"""On request: DWA that looks no farther than its goal, the printed loops of Ch. 3 and Ch. 4, and the bare supervisor on
+the driver's own input."""
+METHODS = {"primitives": "primitives", "thesis": "primitives", "heatmaps": "heatmaps", "heatmaps_thesis": "heatmaps"}
+"""By what the learned arms were taught."""
+
+
+@dataclass(frozen=True)
+class StudyModels:
+    """Files of learned models; None where no arm needs one."""
+
+    primitives: Path | None = None
+    heatmaps: Path | None = None
+
+    def of(self, arm: str) -> DriveAssistantModel | HeatmapModel:
+        """The model that drives in an arm. ValueError without one."""
+        path = getattr(self, METHODS[arm])
+        if path is None:
+            raise ValueError(f"assistant '{arm}' needs a model of method {METHODS[arm]}, there is none")
+        model = _model(path)
+        if isinstance(model, NaiveHeatmapModel):
+            raise ModelError(f"{path} holds a naive heatmap, which drives nothing")
+        return model
 
 
 @lru_cache(maxsize=4)
-def _model(path: Path) -> DriveAssistantModel:
-    return DriveAssistantModel.load(path)
+def _model(path: Path) -> Model:
+    return load_model(path)
 
 
-def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
+def make_assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:
     """The assistant of a study's arm for the chair that `run` simulates."""
     chair = ChairGeometry(footprint=run.chair.footprint, limits=run.chair.limits, T_base_laser=run.lidar.T_base_laser)
     if arm == "none":
@@ -48,10 +72,10 @@ def make_assistant(arm: str, model: Path, run: RunConfig) -> Assistant:
         return DynamicWindowAssistant(chair, DynamicWindowConfig(horizon=1.0), name=arm)
     if arm == "supervisor":
         return Supervised(chair)
-    if arm == "primitives":
-        return DriveAssistant(_model(model), chair)
-    if arm == "thesis":
-        return DriveAssistant(_model(model), chair, DriveAssistantConfig.thesis(), name="thesis")
+    if arm in ("primitives", "heatmaps"):
+        return DriveAssistant(models.of(arm), chair, name=arm)
+    if arm in ("thesis", "heatmaps_thesis"):
+        return DriveAssistant(models.of(arm), chair, DriveAssistantConfig.thesis(), name=arm)
     raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
 
 
@@ -81,7 +105,7 @@ class DrivingStudy:
     """What is compared. Driver k of the population drives every course in every arm with seed `seed` + k."""
 
     courses: tuple[Course, ...]
-    model: Path
+    models: StudyModels
     arms: tuple[str, ...] = ARMS
     drivers: int = 10
     seed: int = 1
@@ -98,7 +122,7 @@ class DrivingStudy:
             Job(
                 course,
                 partial(_impaired, config),
-                partial(make_assistant, arm, self.model, self.run),
+                partial(make_assistant, arm, self.models, self.run),
                 self.seed + k,
                 self.run,
             )
@@ -138,11 +162,13 @@ def run_driving_study(
 ) -> DrivingResult:
     """Runs a study over processes; its result does not depend on their number."""
     traces = run_jobs(study.jobs(), progress, processes)
-    return DrivingResult(study, traces, tuple(metric_rows(traces, _model(study.model))))
+    planners = {arm: make_assistant(arm, study.models, study.run) for arm in study.arms if arm in METHODS}
+    judges = {arm: one.planner for arm, one in planners.items() if isinstance(one, DriveAssistant)}
+    return DrivingResult(study, traces, tuple(metric_rows(traces, judges)))
 
 
-def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> list[dict[str, Any]]:
-    """All metrics of all traces. Steering entropy's fixed baseline is that of the same seed's unassisted run."""
+def metric_rows(traces: Iterable[DriveTrace], compliance: Mapping[str, Compliance]) -> list[dict[str, Any]]:
+    """All metrics of all traces; `compliance` of each arm that plans. Steering entropy's fixed baseline is that of the same seed's unassisted run."""
     traces = list(traces)
     baseline = {
         (t.course, t.seed): entropy_baseline(steering_signal(t.stamp, t.desired))
@@ -154,6 +180,6 @@ def metric_rows(traces: Iterable[DriveTrace], model: DriveAssistantModel) -> lis
         row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
         row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
         if trace.plans:
-            row |= asdict(framework_metrics(trace, model.compliance))
+            row |= asdict(framework_metrics(trace, compliance[trace.assistant]))
         rows.append(row)
     return rows

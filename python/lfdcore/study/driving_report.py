@@ -120,7 +120,7 @@ def write_driving_report(
         rows += tasks.rows
     if demonstrations:
         logs = [open_log(path) for path in demonstrations]
-        sections.append(stage_section(DriveAssistantModel.load(result.study.model), logs))
+        sections.append(stage_section(DriveAssistantModel.load(result.study.models.primitives), logs))
     write_figures(folder / "figures.json", rows)
     lead, origin = headline(result), _origin(result, command)
     return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more], lead, origin)

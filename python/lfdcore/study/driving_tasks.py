@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import Course, Task, doorway_and_docking, narrow_gap
 from lfdcore.study.courses.tasks import DOCKING_DISTANCE
 from lfdcore.study.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
-from lfdcore.study.driving import ARMS, make_assistant, require_arms, require_once
+from lfdcore.study.driving import ARMS, StudyModels, make_assistant, require_arms, require_once
 from lfdcore.study.metrics import reversals, stuck_time
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -58,7 +57,7 @@ def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
 class TaskStudy:
     """Start k of each task is drawn from `seed` + k and driven by driver k of the population in every arm."""
 
-    model: Path
+    models: StudyModels
     tasks: tuple[str, ...] = tuple(TASKS)
     arms: tuple[str, ...] = ARMS
     starts: int = 20
@@ -130,7 +129,7 @@ def run_task_study(
         Job(
             task.course,
             partial(_driver, task, config),
-            partial(make_assistant, arm, study.model, study.run),
+            partial(make_assistant, arm, study.models, study.run),
             task.seed,
             _limits(task, study.run),
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lfdcore.study.courses import Course, home_20x19, mazes
 from lfdcore.study.drivers import AbleConfig, AbleDriver, Driver, able_population
-from lfdcore.study.driving import make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
 
@@ -60,7 +60,7 @@ def demonstrate_in_mazes(
         raise ValueError(f"runs must be 1..{MAZE_RUNS}, got {runs}")
     config = config or RunConfig()
     drivers, courses = able_population(MAZE_DRIVERS, seed), mazes()
-    assistant = partial(make_assistant, "dwa_1s", folder, config)  # which needs no model
+    assistant = partial(make_assistant, "dwa_1s", StudyModels(), config)
     jobs = [
         Job(
             courses[_route_of(j, len(courses))],
@@ -97,7 +97,7 @@ def drive_to_destinations(
     config = config or RunConfig()
     first = _SEEDS * seed + _HOME_SEEDS
     drivers = able_population(HOME_DRIVERS, first)
-    assistant = partial(make_assistant, "none", folder, config)
+    assistant = partial(make_assistant, "none", StudyModels(), config)
     jobs = [
         Job(
             home_20x19(first + k),

@@ -13,7 +13,7 @@ from lfdcore.geometry import arc_length, wrap_angle
 from lfdcore.study.trace import DriveTrace, Plan
 
 if TYPE_CHECKING:
-    from lfdcore.wheelchair.compliance import ComplianceModel
+    from lfdcore.wheelchair.planner import Compliance
 
 Array = NDArray[np.float64]
 
@@ -222,7 +222,7 @@ def use_of_plan(trace: DriveTrace, number: int, horizon: float = 5.0) -> PlanUse
     return PlanUse(float(way[-1]), compliant, off[:split], off[split:])
 
 
-def lasting_compliance(trace: DriveTrace, plan: Plan, compliance: ComplianceModel, horizon: float = 15.0) -> float:
+def lasting_compliance(trace: DriveTrace, plan: Plan, compliance: Compliance, horizon: float = 15.0) -> float:
     """Share of a plan's points that complied at any later time within `horizon` [s], tracked or not (Sec. 3.5.2).
 
     A path point p is incompliant if the compliance of p' (p seen from the chair) with the input stays below .9 on all
@@ -291,7 +291,7 @@ def goal_errors(trace: DriveTrace) -> Array:
     return np.array(errors)
 
 
-def framework_metrics(trace: DriveTrace, compliance: ComplianceModel, every: int = 5) -> FrameworkMetrics:
+def framework_metrics(trace: DriveTrace, compliance: Compliance, every: int = 5) -> FrameworkMetrics:
     """Metrics of an assistant's plans in a run; NaN without plans. Path compliance, the slow one, is asked of one plan
     in `every`."""
     uses = [use_of_plan(trace, number) for number in range(len(trace.plans))]

@@ -356,7 +356,8 @@ class DriveAssistant:
     def _compliance(self, track: _Track, observation: Observation) -> float:
         """Of the point a whole look-ahead on, also where the pursuit itself looks less far (Sec. 3.4.3)."""
         ahead = self._pursue(track, observation, self.planner.look_ahead)
-        return self.planner.compliance(ahead.control_point, observation.joystick)
+        point = np.array([ahead.control_point])
+        return float(self.planner.compliances(point, np.array(observation.joystick))[0])
 
     def _pursue(self, track: _Track, observation: Observation, look_ahead: float) -> PurePursuitResult:
         """|v| <= vmax |stick| and |w| <= wmax |stick| (Sec. 3.4.2)."""

@@ -20,7 +20,7 @@ from lfdcore.planning import (
     QLearningConfig,
     QLearningResult,
     QLearningSolver,
-    compliance,
+    compliances,
     greedy_path,
     heatmap_reward,
     joystick_orientation,
@@ -40,6 +40,8 @@ class HeatmapPlannerConfig:
 
     look_ahead: float = 0.8
     """Of pure pursuit [m], and of the compliance with it (Sec. 3.4.2, 4.5)."""
+    driver_sd: float = 0.3
+    """How far a driver's stick points beside what is meant [rad], beyond what the able demonstrators' did; printed: 0."""
     reward: HeatmapRewardConfig = field(default_factory=HeatmapRewardConfig)
     q_learning: QLearningConfig = field(default_factory=QLearningConfig)
     drivable: DrivablePathConfig = field(default_factory=DrivablePathConfig)
@@ -48,6 +50,7 @@ class HeatmapPlannerConfig:
     def thesis() -> HeatmapPlannerConfig:
         """The printed loop: gamma .9, K - 1 = 99 sweeps, soft obstacles, inflated (Sec. 4.5), no footprint."""
         return HeatmapPlannerConfig(
+            driver_sd=0.0,
             q_learning=QLearningConfig(discount=0.9, sweeps=99, blocked=False),
             drivable=DrivablePathConfig(inflations=(0.35,), check_footprint=False),
         )
@@ -86,18 +89,23 @@ class HeatmapPlanner:
         self._q_learning = QLearningSolver(config.q_learning)
         self._finder = DrivablePathFinder(config.drivable, chair)
 
-    def compliance(self, control_point: NDArray[np.float64], joystick: tuple[float, float]) -> float:
+    def compliances(self, control_points: NDArray[np.float64], joystick: NDArray[np.float64]) -> NDArray[np.float64]:
         """By the unfiltered density of the stick's orientation (Sec. 4.5, ERRATA 29); 0 for a stick at rest."""
         orientation = self.orientation(joystick)
-        return 0.0 if orientation is None else compliance(control_point, orientation, self.chair.limits)
+        if orientation is None:
+            return np.zeros(len(control_points))
+        return compliances(control_points, orientation, self.chair.limits)
 
-    def orientation(self, joystick: tuple[float, float]) -> OrientationMoments | None:
+    def orientation(self, joystick: NDArray[np.float64]) -> OrientationMoments | None:
         """Of the stick that the driver is thought to mean by this one (Eq. 4.1-4.2); None at rest."""
-        return joystick_orientation(*self.model.joystick.predict(np.array(joystick)))
+        wanted = joystick_orientation(*self.model.joystick.predict(joystick))
+        if wanted is None:
+            return None
+        return OrientationMoments(wanted.mean, wanted.variance + self.config.driver_sd**2)
 
     def heat(self, observation: Observation, grid: OccupancyGrid) -> Heat | None:
         """The heatmaps (Sec. 4.3-4.5) over `grid`'s free cells; None for a stick at rest."""
-        orientation = self.orientation(observation.joystick)
+        orientation = self.orientation(np.array(observation.joystick))
         if orientation is None:
             return None
         seen = local_grid(observation.scan, observation.scan_mounting(self.chair.T_base_laser))

@@ -33,7 +33,15 @@ class PlannedPath:
     """(100, 100) that the path was planned over."""
 
 
-class Planner(Protocol):
+class Compliance(Protocol):
+    """Whether a driver's input agrees with where a path leads (Sec. 3.4.3, 4.5)."""
+
+    def compliances(self, control_points: NDArray[np.float64], joystick: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of a joystick (2,) (forward, left) with going to each of N control points (N, 2) [m] in base_link -> (N,) in
+        [0, 1]."""
+
+
+class Planner(Compliance, Protocol):
     """From an observation to a path that the chair's body can follow."""
 
     look_ahead: float
@@ -44,6 +52,3 @@ class Planner(Protocol):
 
         `grid` and `obstacles` are the rolling map's, in base_link.
         """
-
-    def compliance(self, control_point: NDArray[np.float64], joystick: tuple[float, float]) -> float:
-        """Of the joystick with going to a control point (2,) [m] in base_link, in [0, 1]."""

@@ -68,9 +68,9 @@ class PrimitivesPlanner:
         reached = np.minimum((travelled < self.look_ahead).sum(axis=1), paths.shape[1] - 1)
         return far, paths[np.arange(len(paths)), reached]
 
-    def compliance(self, control_point: NDArray[np.float64], joystick: tuple[float, float]) -> float:
+    def compliances(self, control_points: NDArray[np.float64], joystick: NDArray[np.float64]) -> NDArray[np.float64]:
         """By the learned compliance model (Sec. 3.4.3)."""
-        return self.model.compliance.compliance(control_point, np.array(joystick))
+        return self.model.compliance.compliances(control_points, joystick)
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PrimitivePath | None:
         """See Planner."""

@@ -51,13 +51,23 @@ def is_tensor_file(path: str | os.PathLike[str]) -> bool:
     return head[8:] == b"{" and int.from_bytes(head[:8], "little") <= path.stat().st_size - 8
 
 
+def tensor_file_format(path: str | os.PathLike[str]) -> str:
+    """What kind of model a file says it holds. ModelError for one that is no model; OSError if it cannot be opened."""
+    _require_regular(path)
+    try:
+        with safe_open(str(path), framework="numpy") as file:
+            header = json.loads((file.metadata() or {}).get(_KEY, "null"))
+    except (SafetensorError, ValueError, OSError) as broken:
+        raise ModelError(f"{path} is not a model file or is damaged: {broken}") from broken
+    if not isinstance(header, dict) or not isinstance(header.get("format"), str):
+        raise ModelError(f"{path} is no model of lfdcore")
+    return str(header["format"])
+
+
 def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> tuple[dict[str, Any], Tensors]:
     """-> header, arrays. ModelError for a file that is truncated, garbled, of another kind or version; OSError if it
     cannot be opened."""
-    if not Path(path).is_file() and Path(path).exists():  # a pipe would be waited for
-        raise ModelError(f"{path} is no regular file, so no model")
-    with Path(path).open("rb"):  # a missing file is the system's own error
-        pass
+    _require_regular(path)
     try:
         with safe_open(str(path), framework="numpy") as file:
             header = json.loads((file.metadata() or {}).get(_KEY, "null"))
@@ -69,3 +79,10 @@ def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> t
     if header.get("version") != version:
         raise ModelError(f"{path} has format version {header.get('version')}, this lfdcore reads version {version}")
     return header, tensors
+
+
+def _require_regular(path: str | os.PathLike[str]) -> None:
+    if not Path(path).is_file() and Path(path).exists():  # a pipe would be waited for
+        raise ModelError(f"{path} is no regular file, so no model")
+    with Path(path).open("rb"):  # a missing file is the system's own error
+        pass
