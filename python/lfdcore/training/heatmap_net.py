@@ -54,7 +54,7 @@ class HeatmapNetConfig:
 
     kind: Literal["sensor", "naive"] = "sensor"
     width: int = 24
-    epochs: int = 12
+    epochs: int = 10
     batch: int = 32
     learning_rate: float = 3e-3
     weight_decay: float = 1e-4

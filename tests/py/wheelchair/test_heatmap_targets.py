@@ -139,7 +139,7 @@ def test_values_lie_between_0_and_1_and_reach_1():
 def test_runs_of_one_place_share_their_paths_wherever_their_odometry_began():
     ahead = corridor_log([(6.0, 0.8, 0.0)], (0.0, 0.0, 0.0), place="L")
     turning = around_the_corner(start=(1.0, 0.3, -0.05), place="L")
-    alone, together = heatmap_pairs([turning]), heatmap_pairs([turning, ahead])
+    alone, together = (heatmap_pairs(logs, HeatmapTargetConfig(spacing=0.0)) for logs in ([turning], [turning, ahead]))
     both = [pairs.target[(pairs.log == 0) & (pairs.scan == 60)][0].astype(float) for pairs in (alone, together)]
     assert both[1].sum() < both[0].sum() * 1.5  # the other run ended before this corner
     early = [pairs.target[(pairs.log == 0) & (pairs.scan == 0)][0].astype(float) for pairs in (alone, together)]
