@@ -42,17 +42,18 @@ def main() -> None:
     calls = {
         "session alone": lambda: sensor.session.run_with_iobinding(sensor._binding),
         "SensorHeatmap.predict": lambda: sensor.predict(free),
-        "NaiveHeatmap.predict": lambda: naive.predict(free, stick),
         "session.run, new arrays": plainly,
+        "naive session alone": lambda: naive.session.run_with_iobinding(naive._binding),
+        "NaiveHeatmap.predict": lambda: naive.predict(free, stick),
     }
     times = {name: np.zeros(wanted.runs) for name in calls}
     for run in range(wanted.runs):
         for name, call in calls.items():
             times[name][run] = timed(call)
-    alone = np.median(times["session alone"])
     print(f"100 x 100, width {HeatmapNetConfig().width}, {wanted.runs} runs, threads=1")
     for name, spent in times.items():
-        over = np.median(spent - times["session alone"]) / alone  # paired: what else runs here hits both
+        alone = times["naive session alone" if "aive" in name else "session alone"]
+        over = np.median(spent - alone) / np.median(alone)  # paired: what else runs here hits both
         print(f"  {name:24} median {np.median(spent):.3f} ms, p99 {np.percentile(spent, 99):.3f} ms, over {over:+.1%}")
 
 

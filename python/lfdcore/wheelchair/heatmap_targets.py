@@ -49,7 +49,7 @@ class HeatmapTargetConfig:
     """What a target shows; lengths in metres. See the module."""
 
     paths: Literal["place", "own"] = "place"
-    spacing: float = 0.25
+    spacing: float = 0.5
     """of way (a turn of 1 rad counts .5) between scans that are taken; 0: all scans"""
     path_value: float = 0.5
     end_value: float = 1.0

@@ -62,7 +62,7 @@ class _Network:
         most = heatmap.max()
         if not np.isfinite(most):
             raise ModelError(f"the {self.kind} heatmap is {most} somewhere: the model is damaged")
-        return heatmap / most if most > 0 else heatmap.copy()
+        return np.asarray(heatmap / most if most > 0 else heatmap.copy())
 
     def __reduce__(self) -> tuple[type[_Network], tuple[bytes]]:
         return type(self), (self.onnx_bytes,)

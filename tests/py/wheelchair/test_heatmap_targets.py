@@ -9,6 +9,7 @@ from heatmap_drives import around_the_corner, corridor_log
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
 from lfdcore.wheelchair.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs, squashed
@@ -138,7 +139,7 @@ def test_values_lie_between_0_and_1_and_reach_1():
 def test_runs_of_one_place_share_their_paths_wherever_their_odometry_began():
     ahead = corridor_log([(6.0, 0.8, 0.0)], (0.0, 0.0, 0.0), place="L")
     turning = around_the_corner(start=(1.0, 0.3, -0.05), place="L")
-    alone, together = heatmap_pairs([turning]), heatmap_pairs([turning, ahead])
+    alone, together = (heatmap_pairs(logs, HeatmapTargetConfig(spacing=0.0)) for logs in ([turning], [turning, ahead]))
     both = [pairs.target[(pairs.log == 0) & (pairs.scan == 60)][0].astype(float) for pairs in (alone, together)]
     assert both[1].sum() < both[0].sum() * 1.5  # the other run ended before this corner
     early = [pairs.target[(pairs.log == 0) & (pairs.scan == 0)][0].astype(float) for pairs in (alone, together)]
@@ -226,3 +227,20 @@ def test_an_all_zero_heatmap_stays_all_zero():
     assert not draw_target(ALL_FREE, np.zeros((0, 2)), np.zeros(0, int), HeatmapTargetConfig()).any()
     with pytest.raises(ValueError, match="shape"):
         draw_target(np.ones((50, 50), bool), np.zeros((0, 2)), np.zeros(0, int), HeatmapTargetConfig())
+
+
+@pytest.mark.realdata
+def test_a_real_log_gives_a_pair_at_nearly_every_scan_that_is_taken(data_folder):
+    log = open_log(data_folder / "logs" / "freiburg-079-corrected.log.gz").share(0.0, 0.2)
+    pairs = heatmap_pairs([log], HeatmapTargetConfig(paths="own"))
+    assert len(pairs) > 10 * pairs.dropped.get("no path", 0) > 0
+    assert (pairs.target.max(axis=(1, 2)) == 1).all()
+
+
+def test_runs_of_one_simulated_world_say_so_whatever_their_route():
+    from lfdcore.study.courses import home, office
+    from lfdcore.study.runner import place_note
+
+    one, two, other = (place_note(course) for course in (home(0), home(1), office()))
+    assert one["place"] == two["place"] != other["place"]
+    assert one["T_place_odom"] != two["T_place_odom"]
