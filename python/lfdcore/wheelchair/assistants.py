@@ -236,7 +236,7 @@ def _between(a: Twist2, b: Twist2, share: float) -> Twist2:
 
 
 class _HeldTurn:
-    """How far the chair has turned while the stick kept asking for a turn to one and the same side."""
+    """How far the chair has turned while the stick kept asking for a turn to one and the same side, also backwards."""
 
     STRAIGHT = 0.3  # inputs within this [rad] of straight ahead ask for no turn
 
@@ -308,10 +308,11 @@ class DriveAssistant:
         forward, left = observation.joystick
         if np.hypot(forward, left) < self.config.dead_zone:
             return self._stop(observation, "rest")
+        turned = self._held_turn.update(observation)
         if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
-            self._let_go()
+            self._track = None
             return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
-        if self._held_turn.update(observation) >= self.config.own_turn_after:
+        if turned >= self.config.own_turn_after:
             self._track = None
             return self._supervised(Assistance(self._own(observation, 1.0), "own_turn"), observation, obstacles)
         planned = self._replan(observation, obstacles)

@@ -364,6 +364,13 @@ def test_the_turn_is_given_back_as_soon_as_the_stick_goes_elsewhere(assistant: D
     assert done[120][1].mode != "own_turn"
 
 
+def test_a_stick_that_flickers_to_behind_on_the_same_side_keeps_its_turn(assistant: DriveAssistant) -> None:
+    """A coarse stick held at 72 degrees comes out at 144 now and then: the driver still asks for the same turn."""
+    done = drive(assistant, lambda tick: (-0.6, 0.4) if tick in (60, 90) else (0.25, 0.75), 130, walls=OPEN)
+    assert {done[tick][1].mode for tick in (60, 90)} == {"reverse"}
+    assert done[-1][1].mode == "own_turn"
+
+
 @pytest.mark.parametrize("between", [(0.0, 0.0), (-0.6, 0.0)], ids=["rest", "reverse"])
 def test_a_turn_after_a_rest_or_reversing_is_a_new_one(assistant: DriveAssistant, between: tuple[float, float]) -> None:
     done = drive(assistant, lambda tick: between if 120 <= tick < 125 else (0.25, 0.75), 130, walls=OPEN)
