@@ -23,3 +23,20 @@ def home_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from lfdcore.study.demonstrations import learn_from_demonstrations
 
     return learn_from_demonstrations(tmp_path_factory.mktemp("home_model"), seed=1)
+
+
+@pytest.fixture(scope="session")
+def heatmap_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of heatmaps that a small network learned from four runs in the mazes (about 10 s, once a session)."""
+    from lfdcore.datasets import open_log
+    from lfdcore.study.heatmap_demonstrations import demonstrate_in_mazes
+    from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
+    from lfdcore.training.heatmap_net import HeatmapNetConfig
+
+    folder = tmp_path_factory.mktemp("heatmap_model")
+    drives = demonstrate_in_mazes(folder, seed=1, runs=4, processes=1)
+    config = HeatmapLearningConfig(network=HeatmapNetConfig(width=8, epochs=4))
+    learned = learn_heatmaps([open_log(path) for path in drives.paths], config)
+    path = folder / "heatmaps.safetensors"
+    learned.model.save(path)
+    return path

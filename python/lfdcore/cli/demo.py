@@ -12,6 +12,7 @@ from lfdcore.cli.common import SeedOption
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
+    from lfdcore.study.driving import StudyModels
     from lfdcore.study.report import Section
     from lfdcore.wheelchair.model_file import DriveAssistantModel
 
@@ -33,12 +34,12 @@ def demo(
     """Demonstrations in a simulated home -> a learned assistant -> a course never seen, with and without it."""
     from lfdcore.cli.study import DrivingPlan, drive_and_report
 
-    plan = DrivingPlan(output, None, "standard_course", "none,dwa,primitives", drivers, starts, seed)
+    plan = DrivingPlan(output, (), "standard_course", "none,dwa,primitives,heatmaps", drivers, starts, seed)
     command = f"lfdcore demo --drivers {drivers} --task-starts {starts} --seed {seed}"
     drive_and_report(plan, _real_section, command).print_tables()
 
 
-def _real_section(model: Path) -> list[Section]:
+def _real_section(study: StudyModels) -> list[Section]:
     """A prediction along a real log, if there is one at hand."""
     from lfdcore.study.prediction import predict_log
     from lfdcore.study.prediction_picture import prediction_figure
@@ -51,7 +52,8 @@ def _real_section(model: Path) -> list[Section]:
     if path is None:
         return [Section(title, f"None at hand: neither $LFDCORE_DATA/{FREIBURG} nor {SENA} (Debian's mrpt-common).")]
     log, models = _judged(path)
-    models["simulated home"] = DriveAssistantModel.load(model)
+    if study.primitives is not None:
+        models["simulated home"] = DriveAssistantModel.load(study.primitives)
     prediction = predict_log(log, models)
     caption = (
         f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "

@@ -13,7 +13,7 @@ import typer
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
 
 if TYPE_CHECKING:
-    from lfdcore.study.driving import DrivingResult
+    from lfdcore.study.driving import DrivingResult, StudyModels
     from lfdcore.study.driving_tasks import TaskResult
     from lfdcore.study.report import Section
 
@@ -30,7 +30,7 @@ class DrivingPlan:
     """What a driving study is to do."""
 
     output: Path
-    model: Path | None
+    models: tuple[Path, ...]
     courses: str
     arms: str
     drivers: int
@@ -42,7 +42,7 @@ class DrivingPlan:
         """What repeats the study; the folder is left to who does."""
         words = ["lfdcore", "study", "driving", "-o", "out", "--courses", self.courses, "--assistants", self.arms]
         words += ["--drivers", str(self.drivers), "--task-starts", str(self.starts), "--seed", str(self.seed)]
-        return shlex.join(words + (["--model", str(self.model)] if self.model else []))
+        return shlex.join(words + [word for model in self.models for word in ("--model", str(model))])
 
 
 @dataclass(frozen=True)
@@ -64,21 +64,18 @@ class DrivingOutcome:
 
 
 def drive_and_report(
-    plan: DrivingPlan, more: Callable[[Path], Sequence[Section]] = lambda model: (), command: str = ""
+    plan: DrivingPlan, more: Callable[[StudyModels], Sequence[Section]] = lambda models: (), command: str = ""
 ) -> DrivingOutcome:
-    """Learns if there is no model, drives courses and tasks, writes the report.
+    """Learns what the arms need and was not given, drives courses and tasks, writes the report.
 
-    `more` makes sections of the model; `command` is named in the report as what made it, else the plan's own.
+    `more` makes sections of the models; `command` is named in the report as what made it, else the plan's own.
     """
     from lfdcore.study.courses import course_by_name
-    from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import DrivingStudy, require_arms, require_once, run_driving_study
+    from lfdcore.study.driving import DrivingStudy, models_by_method, require_arms, require_once, run_driving_study
     from lfdcore.study.driving_report import write_driving_report
     from lfdcore.study.driving_tasks import TaskStudy, run_task_study
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
 
-    if plan.model is not None:
-        DriveAssistantModel.load(plan.model)  # refused before anything is driven
+    given = models_by_method(plan.models)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
     arms = tuple(plan.arms.split(","))
     require_arms(arms)
@@ -90,20 +87,20 @@ def drive_and_report(
             task = bar.add_task(title, total=None)
             return lambda done, total: bar.update(task, completed=done, total=total)
 
-        model = plan.model or learn_from_demonstrations(plan.output, plan.seed, progress=step("demonstrate, learn"))
-        study = DrivingStudy(courses=courses, model=model, arms=arms, drivers=plan.drivers, seed=plan.seed)
+        models = _learn_what_is_missing(plan, arms, given, step)
+        study = DrivingStudy(courses=courses, models=models, arms=arms, drivers=plan.drivers, seed=plan.seed)
         result = run_driving_study(study, step("drive courses never seen"), plan.processes)
         tasks = None
         if plan.starts:
-            task_study = TaskStudy(model=model, arms=arms, starts=plan.starts, seed=plan.seed)
+            task_study = TaskStudy(models=models, arms=arms, starts=plan.starts, seed=plan.seed)
             tasks = run_task_study(task_study, step("tasks: docking, narrow gap"), plan.processes)
         told = step("report")
         told(0, 1)
-        demonstrations = [] if plan.model else sorted(plan.output.glob("demonstration-*.mcap"))
+        demonstrations = [] if given.primitives else sorted(plan.output.glob("demonstration-*.mcap"))
         report = write_driving_report(
             result,
             plan.output,
-            more(model),
+            more(models),
             demonstrations=demonstrations,
             tasks=tasks,
             command=command or plan.command(),
@@ -112,18 +109,46 @@ def drive_and_report(
     return DrivingOutcome(result, tasks, report)
 
 
+def _learn_what_is_missing(
+    plan: DrivingPlan, arms: Sequence[str], given: StudyModels, step: Callable[[str], Callable[[int, int], None]]
+) -> StudyModels:
+    """The models that the arms need, learned from demonstrations where none was given."""
+    from lfdcore.study.demonstrations import learn_from_demonstrations
+    from lfdcore.study.driving import METHODS, StudyModels
+    from lfdcore.study.heatmap_demonstrations import learn_heatmaps_from_demonstrations
+
+    needed = {METHODS[arm] for arm in arms if arm in METHODS}
+    primitives, heatmaps = given.primitives, given.heatmaps
+    if primitives is None and "primitives" in needed:
+        primitives = learn_from_demonstrations(plan.output, plan.seed, progress=step("learn primitives"))
+    if heatmaps is None and "heatmaps" in needed:
+        bars: dict[str, Callable[[int, int], None]] = {}
+
+        def tell(stage: str, done: int, total: int) -> None:
+            if stage not in bars:
+                bars[stage] = step(f"heatmaps: {stage}")
+            bars[stage](done, total)
+
+        heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, tell, processes=plan.processes)
+    return StudyModels(primitives, heatmaps)
+
+
 @app.command("driving")
 def study_driving(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the report, its pictures and figures.")],
-    model: Annotated[
-        Path | None, typer.Option(help="A learned model; without one it is learned from demonstrations first.")
+    models: Annotated[
+        list[Path] | None,
+        typer.Option("--model", help="A learned model, once a method; what is missing is learned from demonstrations."),
     ] = None,
     courses: Annotated[
         str, typer.Option(help="Comma-separated names of courses or map .yaml files.")
     ] = "standard_course",
     arms: Annotated[
-        str, typer.Option("--assistants", help="Of none, dwa, primitives, dwa_1s, supervisor, thesis.")
-    ] = "none,dwa,primitives",
+        str,
+        typer.Option(
+            "--assistants", help="Of none, dwa, primitives, heatmaps; dwa_1s, supervisor, thesis, heatmaps_thesis."
+        ),
+    ] = "none,dwa,primitives,heatmaps",
     drivers: Annotated[int, typer.Option(min=1, help="Simulated impaired drivers.")] = 10,
     starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,
     processes: Annotated[int | None, typer.Option(min=1, help="Default: one a core.")] = None,
@@ -131,7 +156,7 @@ def study_driving(
     as_json: JsonOption = False,
 ) -> None:
     """Drivers x courses x assistants: Tables 3.1-3.3 with intervals, tasks, and pictures of every course."""
-    plan = DrivingPlan(output, model, courses, arms, drivers, starts, seed, processes)
+    plan = DrivingPlan(output, tuple(models or ()), courses, arms, drivers, starts, seed, processes)
     outcome = drive_and_report(plan)
     if as_json:
         print_json({"report": str(outcome.report), "rows": list(outcome.result.rows)})

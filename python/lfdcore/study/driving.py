@@ -56,6 +56,21 @@ class StudyModels:
         return model
 
 
+def models_by_method(paths: Sequence[Path]) -> StudyModels:
+    """Files of models, in any order. ValueError for two of one method or one that drives nothing; ModelError as
+    load_model."""
+    found: dict[str, Path] = {}
+    for path in paths:
+        model = _model(path)
+        if isinstance(model, NaiveHeatmapModel):
+            raise ValueError(f"{path} holds a naive heatmap, which drives nothing")
+        method = "heatmaps" if isinstance(model, HeatmapModel) else "primitives"
+        if method in found:
+            raise ValueError(f"{found[method]} and {path} are both models of method {method}, one is needed")
+        found[method] = path
+    return StudyModels(**found)
+
+
 @lru_cache(maxsize=4)
 def _model(path: Path) -> Model:
     return load_model(path)
@@ -168,7 +183,8 @@ def run_driving_study(
 
 
 def metric_rows(traces: Iterable[DriveTrace], compliance: Mapping[str, Compliance]) -> list[dict[str, Any]]:
-    """All metrics of all traces; `compliance` of each arm that plans. Steering entropy's fixed baseline is that of the same seed's unassisted run."""
+    """All metrics of all traces; `compliance` of each arm that plans. Steering entropy's fixed baseline is that of the
+    same seed's unassisted run."""
     traces = list(traces)
     baseline = {
         (t.course, t.seed): entropy_baseline(steering_signal(t.stamp, t.desired))

@@ -118,9 +118,10 @@ def write_driving_report(
     if tasks is not None:
         sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
         rows += tasks.rows
-    if demonstrations:
+    primitives = result.study.models.primitives
+    if demonstrations and primitives is not None:
         logs = [open_log(path) for path in demonstrations]
-        sections.append(stage_section(DriveAssistantModel.load(result.study.models.primitives), logs))
+        sections.append(stage_section(DriveAssistantModel.load(primitives), logs))
     write_figures(folder / "figures.json", rows)
     lead, origin = headline(result), _origin(result, command)
     return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more], lead, origin)

@@ -7,14 +7,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from lfdcore.datasets import open_log
 from lfdcore.study.courses import Course, home_20x19, mazes
 from lfdcore.study.drivers import AbleConfig, AbleDriver, Driver, able_population
 from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
 
+if TYPE_CHECKING:
+    from lfdcore.training.heatmap_net import EpochLoss
+
 Progress = Callable[[int, int], None]
+StageProgress = Callable[[str, int, int], None]
+"""Told (stage, done, total)."""
 
 MAZE_RUNS, MAZE_DRIVERS = 72, 8
 """Sec. 4.2"""
@@ -23,6 +30,9 @@ HOME_DRIVERS, RUNS_EACH = 10, 3
 
 _SEEDS, _HOME_SEEDS = 1000, 500
 """Run j in the mazes has seed 1000 `seed` + j, run k in the home 1000 `seed` + 500 + k: none is in both."""
+
+
+MODEL_NAME = "heatmaps.safetensors"
 
 
 @dataclass(frozen=True)
@@ -73,6 +83,24 @@ def demonstrate_in_mazes(
         for j in range(runs)
     ]
     return _record(jobs, processes, progress)
+
+
+def learn_heatmaps_from_demonstrations(
+    folder: Path,
+    seed: int,
+    progress: StageProgress | None = None,
+    on_epoch: Callable[[EpochLoss], None] | None = None,
+    processes: int | None = None,
+) -> Path:
+    """Demonstrates in the mazes, learns and saves the model in `folder` -> its path. Needs torch."""
+    from lfdcore.training.drive_heatmaps import learn_heatmaps
+
+    tell = progress or (lambda stage, done, total: None)
+    drives = demonstrate_in_mazes(folder, seed, processes=processes, progress=partial(tell, "demonstrate"))
+    learned = learn_heatmaps([open_log(path) for path in drives.paths], progress=tell, on_epoch=on_epoch)
+    path = folder / MODEL_NAME
+    learned.model.save(path)
+    return path
 
 
 def _route_of(run: int, count: int) -> int:

@@ -53,6 +53,9 @@ ARM_NAMES = {
     "none": "unassisted",
     "dwa": "DWA",
     "primitives": "primitives (learned)",
+    "heatmaps": "heatmaps (learned)",
+    "heatmaps_thesis": "heatmaps, as printed",
+    "dwa_1s": "DWA, horizon 1 s",
     "thesis": "primitives, as printed",
     "supervisor": "supervisor only",
 }

@@ -40,8 +40,8 @@ class HeatmapPlannerConfig:
 
     look_ahead: float = 0.8
     """Of pure pursuit [m], and of the compliance with it (Sec. 3.4.2, 4.5)."""
-    driver_sd: float = 0.3
-    """How far a driver's stick points beside what is meant [rad], beyond what the able demonstrators' did; printed: 0."""
+    driver_sd: float = 0.6
+    """How far a driver's stick points beside what is meant [rad], beyond what able demonstrators' did; printed: 0."""
     reward: HeatmapRewardConfig = field(default_factory=HeatmapRewardConfig)
     q_learning: QLearningConfig = field(default_factory=QLearningConfig)
     drivable: DrivablePathConfig = field(default_factory=DrivablePathConfig)

@@ -19,7 +19,7 @@ KINDS: dict[str, type[Model]] = {
 
 
 def load_model(path: str | os.PathLike[str]) -> Model:
-    """ModelError for a file that is damaged or holds no model that this lfdcore knows; OSError if it cannot be opened."""
+    """ModelError for a file that is damaged or holds no model known here; OSError if it cannot be opened."""
     found = tensor_file_format(path)
     if found not in KINDS:
         raise ModelError(f"{path} holds '{found}', must be one of {', '.join(KINDS)}")

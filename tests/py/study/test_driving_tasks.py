@@ -10,6 +10,7 @@ import pytest
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.study.courses import doorway_and_docking, narrow_gap
 from lfdcore.study.drivers import ImpairedConfig
+from lfdcore.study.driving import StudyModels
 from lfdcore.study.driving_tasks import DOCKING_SPEED, TaskDriver, TaskStudy, run_task_study, task_row
 from lfdcore.study.runner import run_drive
 from lfdcore.study.trace import DriveTrace
@@ -75,7 +76,7 @@ def test_a_chair_that_stands_while_forward_is_asked_is_stuck(trace: DriveTrace) 
 
 
 def test_every_arm_meets_the_same_starts_and_the_result_does_not_depend_on_processes(tmp_path: Path) -> None:
-    study = TaskStudy(model=tmp_path / "none.safetensors", tasks=("narrow_gap",), arms=("none", "dwa"), starts=2)
+    study = TaskStudy(models=StudyModels(), tasks=("narrow_gap",), arms=("none", "dwa"), starts=2)
     one, two = (partial(run_task_study, study)(processes=n) for n in (1, 2))
     assert one.rows == two.rows
     assert [row["seed"] for row in one.rows] == [1, 1, 2, 2]

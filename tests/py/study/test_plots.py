@@ -25,7 +25,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint
 from lfdcore.study.courses import campus, doorway_and_docking, home
 from lfdcore.study.drivers import ExpertDriver, ImpairedDriver
-from lfdcore.study.driving import DrivingResult, DrivingStudy
+from lfdcore.study.driving import DrivingResult, DrivingStudy, StudyModels
 from lfdcore.study.driving_report import write_driving_report
 from lfdcore.study.moments import telling_moments
 from lfdcore.study.plots import course_figure, demonstrations_figure, every, outlines, png, split_plans
@@ -255,7 +255,7 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
     short = replace(doorway_and_docking(3).course, name="short")
     arms = ("none", "primitives")
-    study = DrivingStudy(courses=(short,), model=tmp_path / "m.safetensors", arms=arms, drivers=2)
+    study = DrivingStudy(courses=(short,), models=StudyModels(tmp_path / "m.safetensors"), arms=arms, drivers=2)
     found: DrivingResult = run_driving_study(study, processes=1)
     command = "lfdcore study driving"
     report = write_driving_report(found, tmp_path, demonstrations=[path], command=command)

@@ -1,7 +1,6 @@
 """Driving backwards with a scanner that sees all around."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from lfdcore.grid import RollingMap, local_grid
 from lfdcore.simulation import DrivingWorld, LidarConfig
 from lfdcore.study.courses import hall
 from lfdcore.study.drivers import AbleDriver
-from lfdcore.study.driving import make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.reversing_driver import ReversingConfig, ReversingDriver, facing_back
 from lfdcore.study.runner import RunConfig, run_drive
 
@@ -21,7 +20,7 @@ ALL_AROUND = LidarConfig(beams=361, field_of_view=2 * math.pi)
 @pytest.mark.parametrize("arm", ["none", "dwa_1s"])
 def test_the_driver_goes_the_whole_way_backwards_without_contact(arm: str) -> None:
     run = RunConfig(lidar=ALL_AROUND)
-    trace = run_drive(facing_back(hall()), ReversingDriver(hall()), make_assistant(arm, Path(), run), 1, run)
+    trace = run_drive(facing_back(hall()), ReversingDriver(hall()), make_assistant(arm, StudyModels(), run), 1, run)
     assert trace.completed and trace.collision.sum() == 0
     assert (trace.joystick[:-1, 0] < 0).all() and (trace.twist[1:, 0] < 0).mean() > 0.99
     behind = trace.pose[:, 2] + math.pi  # the back leads along the way

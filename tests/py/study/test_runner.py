@@ -13,7 +13,7 @@ from lfdcore.geometry import Twist2
 from lfdcore.simulation import LidarConfig
 from lfdcore.study.courses import Course, figure_eight, flat
 from lfdcore.study.drivers import Driver, ImpairedDriver
-from lfdcore.study.driving import ARMS, DrivingStudy, make_assistant, run_driving_study
+from lfdcore.study.driving import ARMS, FOOTNOTE_ARMS, DrivingStudy, StudyModels, make_assistant, run_driving_study
 from lfdcore.study.runner import Job, RunConfig, _interrupt_deferred, run_drive, run_jobs
 from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.assistants import STOP, Unassisted
@@ -65,7 +65,14 @@ def assert_same_bytes(a: DriveTrace, b: DriveTrace) -> None:
 @pytest.fixture(scope="module")
 def study(home_model: Path) -> DrivingStudy:
     course = flat()
-    return DrivingStudy(courses=(course,), model=home_model, drivers=2, seed=5, run=for_seconds(course, 15))
+    return DrivingStudy(
+        courses=(course,),
+        models=StudyModels(home_model),
+        arms=("none", "dwa", "primitives"),
+        drivers=2,
+        seed=5,
+        run=for_seconds(course, 15),
+    )
 
 
 def test_a_study_gives_the_same_bytes_with_one_process_and_with_two(study: DrivingStudy) -> None:
@@ -79,7 +86,7 @@ def test_a_study_gives_the_same_bytes_with_one_process_and_with_two(study: Drivi
 
 def test_a_used_assistant_and_driver_drive_as_fresh_ones(study: DrivingStudy) -> None:
     course, run = study.courses[0], study.run
-    driver, assistant = ImpairedDriver(course), make_assistant("primitives", study.model, run)
+    driver, assistant = ImpairedDriver(course), make_assistant("primitives", study.models, run)
     first, again = (run_drive(course, driver, assistant, 5, run) for _ in range(2))
     assert_same_bytes(first, again)
     assert first.pose.tobytes() != run_drive(course, driver, assistant, 6, run).pose.tobytes()
@@ -142,7 +149,9 @@ def test_failures_stay_in_a_studys_rows(study: DrivingStudy) -> None:
 def test_the_drive_log_of_a_run_agrees_with_its_trace(home_model: Path, tmp_path: Path) -> None:
     course = flat()
     run, path = for_seconds(course, 10), tmp_path / "run.mcap"
-    trace = run_drive(course, ImpairedDriver(course), make_assistant("primitives", home_model, run), 1, run, path)
+    trace = run_drive(
+        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), run), 1, run, path
+    )
     log = open_log(path)
     assert log.name == course.name and "incomplete" not in log.metadata
     assert log.ranges.shape == (len(trace.stamp), run.lidar.beams)
@@ -189,21 +198,14 @@ def test_an_error_in_a_job_reaches_the_caller(processes: int) -> None:
 
 def test_an_unknown_arm_is_refused_by_name(home_model: Path) -> None:
     with pytest.raises(ValueError, match=r"'magic'.*none.*dwa.*primitives"):
-        make_assistant("magic", home_model, RunConfig())
+        make_assistant("magic", StudyModels(home_model), RunConfig())
 
 
-@pytest.mark.parametrize(
-    "arm",
-    [
-        *ARMS,
-        "thesis",
-        "supervisor",
-    ],
-)
-def test_every_arm_drives(arm: str, home_model: Path) -> None:
+@pytest.mark.parametrize("arm", [*ARMS, *FOOTNOTE_ARMS])
+def test_every_arm_drives(arm: str, home_model: Path, heatmap_model: Path) -> None:
     course = flat()
     run = for_seconds(course, 6)
-    make = partial(make_assistant, arm, home_model, run)
+    make = partial(make_assistant, arm, StudyModels(home_model, heatmap_model), run)
     trace = run_drive(course, ImpairedDriver(course), make(), 1, run)
     assert trace.assistant == arm
     assert np.hypot(*(trace.pose[-1, :2] - trace.pose[0, :2])) > 0.5

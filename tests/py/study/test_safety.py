@@ -12,7 +12,7 @@ from lfdcore.grid import ObstaclePoints, RollingMap
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig, joystick_to_twist
 from lfdcore.study.courses import Course, flat, office
 from lfdcore.study.drivers import ImpairedDriver, population
-from lfdcore.study.driving import make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.runner import RunConfig, run_drive
 
 LIMITS = MotionLimits()
@@ -74,7 +74,7 @@ def test_a_chair_beside_a_wall_is_not_frozen(gap: float, angular: float) -> None
 def test_assisted_drivers_finish_the_flat_without_contact(number: int, home_model: Path) -> None:
     course, run = flat(), RunConfig()
     driver = ImpairedDriver(course, population(2, 1)[number])
-    trace = run_drive(course, driver, make_assistant("primitives", home_model, run), 1 + number, run)
+    trace = run_drive(course, driver, make_assistant("primitives", StudyModels(home_model), run), 1 + number, run)
     assert trace.completed
     assert trace.collision.sum() == 0 and not trace.in_contact.any()
 
@@ -84,6 +84,10 @@ def test_the_same_drivers_unassisted_touch_something(home_model: Path) -> None:
     course, run = flat(), RunConfig()
     for number, config in enumerate(population(2, 1)):
         trace = run_drive(
-            course, ImpairedDriver(course, config), make_assistant("none", home_model, run), 1 + number, run
+            course,
+            ImpairedDriver(course, config),
+            make_assistant("none", StudyModels(home_model), run),
+            1 + number,
+            run,
         )
         assert trace.collision.sum() > 0

@@ -13,7 +13,7 @@ from scipy import stats
 
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.study.courses import campus, flat, from_map
-from lfdcore.study.driving import DrivingResult, DrivingStudy
+from lfdcore.study.driving import DrivingResult, DrivingStudy, StudyModels
 from lfdcore.study.driving_tasks import TaskResult, TaskStudy
 from lfdcore.study.plots import ARM_NAMES
 from lfdcore.study.statistics import paired_proportions_test
@@ -67,7 +67,7 @@ def row(arm: str, driver: int, **changes: Any) -> dict[str, Any]:
 
 
 def result(rows: list[dict[str, Any]], drivers: int = 5) -> DrivingResult:
-    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=ARMS, drivers=drivers)
+    study = DrivingStudy(courses=(flat(),), models=StudyModels(Path("m")), arms=ARMS, drivers=drivers)
     return DrivingResult(study, (), tuple(rows))
 
 
@@ -141,7 +141,7 @@ def test_a_figure_that_could_not_be_measured_is_missed() -> None:
 
 def test_without_the_unassisted_arm_there_are_no_figures_to_reach() -> None:
     rows = [r for r in study_rows() if r["assistant"] != "none"]
-    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=("dwa", "primitives"), drivers=5)
+    study = DrivingStudy(courses=(flat(),), models=StudyModels(Path("m")), arms=("dwa", "primitives"), drivers=5)
     titles = [table.title for table in driving_tables(DrivingResult(study, (), tuple(rows)))]
     assert not any(title.startswith("Figures to reach") for title in titles)
 
@@ -163,7 +163,7 @@ def test_the_thesis_columns_say_which_of_its_experiments_they_are_of() -> None:
 
 def test_the_campus_stands_beside_the_thesis_real_course() -> None:
     rows = [r | {"course": campus().name} for r in study_rows()]
-    study = DrivingStudy(courses=(campus(),), model=Path("m"), arms=ARMS, drivers=5)
+    study = DrivingStudy(courses=(campus(),), models=StudyModels(Path("m")), arms=ARMS, drivers=5)
     driving = named(driving_tables(DrivingResult(study, (), tuple(rows))), "Driving")
     assert "Table 3.2" in driving.title
     assert driving.header[-1] == "thesis,\nreal"
@@ -217,7 +217,7 @@ def test_tables_leave_out_the_seed_of_a_random_route_unless_two_would_be_called_
     assert course_labels([one, flat()]) == {one.name: "wide_depot", "flat": "flat"}
     assert course_labels([one, two]) == {one.name: one.name, two.name: two.name}
     rows = [r | {"course": one.name} for r in study_rows()]
-    study = DrivingStudy(courses=(one,), model=Path("m"), arms=ARMS, drivers=5)
+    study = DrivingStudy(courses=(one,), models=StudyModels(Path("m")), arms=ARMS, drivers=5)
     for table in driving_tables(DrivingResult(study, (), tuple(rows))):
         assert "wide_depot" in table.as_text()
         assert "5001" not in table.as_text()
@@ -235,7 +235,7 @@ def test_the_headline_counts_the_learned_arm_against_the_unassisted_one() -> Non
 
 
 def test_the_headline_does_without_arms_that_were_not_driven() -> None:
-    study = DrivingStudy(courses=(flat(),), model=Path("m"), arms=("none",), drivers=5)
+    study = DrivingStudy(courses=(flat(),), models=StudyModels(Path("m")), arms=("none",), drivers=5)
     rows = tuple(r for r in study_rows() if r["assistant"] == "none")
     assert headline(DrivingResult(study, (), rows)).startswith(
         "unassisted: 10 collisions, 5 of 5 runs completed. n = 5"
@@ -249,7 +249,7 @@ def task_result(successes: dict[str, int], n: int = 20) -> TaskResult:
         for k in range(n)
         for arm, good in successes.items()
     ]
-    study = TaskStudy(model=Path("m"), tasks=("narrow_gap",), arms=tuple(successes), starts=n)
+    study = TaskStudy(models=StudyModels(Path("m")), tasks=("narrow_gap",), arms=tuple(successes), starts=n)
     return TaskResult(study, tuple(rows), (), ())
 
 
@@ -295,4 +295,4 @@ def test_mcnemars_test_refuses_samples_of_unequal_length() -> None:
 
 def test_an_unknown_task_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="'parking', must be one of doorway_and_docking, narrow_gap"):
-        TaskStudy(model=Path("m"), tasks=("parking",))
+        TaskStudy(models=StudyModels(Path("m")), tasks=("parking",))

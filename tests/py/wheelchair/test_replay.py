@@ -12,7 +12,7 @@ from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.study.courses import flat
 from lfdcore.study.drivers import ImpairedDriver
-from lfdcore.study.driving import make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.runner import RunConfig, run_drive
 from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.observation import observations
@@ -26,7 +26,9 @@ def drive(home_model: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[P
     course = flat()
     config = RunConfig(slowest=course.length / SECONDS)  # too little time for the whole course
     path = tmp_path_factory.mktemp("replay") / "drive.mcap"
-    trace = run_drive(course, ImpairedDriver(course), make_assistant("primitives", home_model, config), 2, config, path)
+    trace = run_drive(
+        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), config), 2, config, path
+    )
     return path, trace
 
 
