@@ -4,8 +4,8 @@ Judged in home_20x19, a test world that is like neither maze (docs/courses.md). 
 from a seed, so that each simulated driver has a way of its own and the figures are no one route's:
 - *closed loop*: impaired drivers, each with the same way and noise for every n and method, and unassisted beside;
 - *a posteriori*: able drivers, unassisted, to 30 destinations: the path foretold at a scan against the one driven
-  (study/path_error.py), the mean over a run being one value. The product of the heatmaps foretells by heatmap_path, for
-  an able driver (driver_sd = 0); primitives by PathPredictor.
+  (study/path_error.py), the mean over a run being one value. The product of the heatmaps foretells by heatmap_path,
+  primitives by PathPredictor; both as they are for driving (`driver_sd`: docs/heatmaps.md).
 
 Networks learn for as many steps as they take on 72 runs, within `most_epochs`, and keep their best epoch: with a fixed
 number of epochs few runs would mean few steps too, and the curve would show that.
@@ -337,7 +337,7 @@ def _paths_of(predict: Predict, log: DriveLog, samples: PathSamples) -> Array:
 
 def _predictor(study: LearningCurveStudy, model: DriveAssistantModel | HeatmapModel) -> Predict:
     if isinstance(model, HeatmapModel):
-        return partial(_path_by_heatmaps, HeatmapPlanner(model, HeatmapPlannerConfig(driver_sd=0.0), _chair(study)))
+        return partial(_path_by_heatmaps, HeatmapPlanner(model, HeatmapPlannerConfig(), _chair(study)))
     return partial(_path_by_primitives, PathPredictor(model))
 
 

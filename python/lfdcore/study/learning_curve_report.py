@@ -31,9 +31,10 @@ def _of_summary(s: Summary) -> Estimate:
 
 PANELS: tuple[tuple[str, Callable[[CurvePoint], Estimate]], ...] = (
     ("contacts a run", lambda p: p.contact_rate),
+    ("share completed", lambda p: p.completion),
     ("path RMSE [m]", lambda p: _of_summary(p.path_rmse)),
     ("angular jerk / unassisted", lambda p: _of_summary(p.jerk_ratio)),
-    ("error of the path foretold,\nup to 2.5 m [m]", lambda p: _of_summary(p.path_error)),
+    ("error of the path\nforetold to 2.5 m [m]", lambda p: _of_summary(p.path_error)),
 )
 
 
@@ -49,13 +50,14 @@ def _cell(estimate: Estimate, digits: int) -> str:
 def _row(point: CurvePoint) -> tuple[str, ...]:
     arrived, n = point.completed
     share, low, high = (100 * value for value in point.completion)
+    _, rate_low, rate_high = point.contact_rate
     alone = point.method == NOBODY
     jerk, time = (_cell(_of_summary(ratio), 2) for ratio in (point.jerk_ratio, point.time_ratio))
     return (
         arm_name(point.method).removesuffix(" (learned)"),
         "-" if alone else str(point.demonstrations),
         f"{arrived} of {n}\n{share:.0f} % [{low:.0f}, {high:.0f}]",
-        f"{point.contacts}\n{_cell(point.contact_rate, 2).replace(chr(10), ' ')}",
+        f"{point.contacts} in {n}\n[{rate_low:.2f}, {rate_high:.2f}]",
         _cell(_of_summary(point.path_rmse), 3),
         "1" if alone else jerk,
         "1" if alone else time,
@@ -82,7 +84,7 @@ def curve_table(curve: LearningCurve) -> Table:
         "",
         "runs",
         "completed",
-        "contacts,\na run",
+        "contacts\n[a run]",
         "path RMSE [m]",
         "angular jerk /\nunassisted",
         "time /\nunassisted",
@@ -95,7 +97,7 @@ def curve_table(curve: LearningCurve) -> Table:
         "have taught."
     )
     name, error = curve.baseline()
-    baseline = (f"{name}\n(better baseline)", *["-"] * 6, _cell(_of_summary(error), 3))
+    baseline = (f"{name}\n(baseline)", *["-"] * 6, _cell(_of_summary(error), 3))
     return Table(TITLE, header, (*map(_row, curve.points()), baseline), note)
 
 
@@ -114,6 +116,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
             lw=1.3,
             elinewidth=0.9,
             capsize=2.5,
+            clip_on=False,
             label=arm_name(method).removesuffix(" (learned)"),
         )
     alone = estimate(next(point for point in points if point.method == NOBODY))
@@ -123,8 +126,8 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
 
 @styled
 def curve_figure(curve: LearningCurve) -> Figure:
-    """Contacts, path RMSE, jerk and foretold path over the number of runs, with 95 % intervals."""
-    figure = Figure(figsize=(PAGE, 2.9), layout="constrained")
+    """Contacts, completion, path RMSE, jerk and foretold path over the number of runs, with 95 % intervals."""
+    figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     points = curve.points()
     panels = figure.subplots(1, len(PANELS))
     for axes, (label, estimate) in zip(panels, PANELS, strict=True):

@@ -74,7 +74,7 @@ def test_table_plot_and_report_show_every_point_with_n_and_seeds(curve: Learning
     assert [row[1] for row in table.rows] == ["-", "1", "2", "1", "2", "-"]
     assert "seeds 6000..6001" in table.note and "n = 1 simulated impaired drivers" in table.note
     figure = curve_figure(curve)
-    assert len(figure.axes) == 4
+    assert len(figure.axes) == 5
     report = write_learning_curve(curve, tmp_path, "lfdcore study learning-curve")
     assert "lfdcore study learning-curve" in report.read_text()
     assert len(json.loads((tmp_path / "figures.json").read_text())) == 5 + 6
