@@ -130,6 +130,8 @@ def curve_figure(curve: LearningCurve) -> Figure:
     figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     points = curve.points()
     panels = figure.subplots(1, len(PANELS))
+    baseline, error = curve.baseline()
+    line = panels[-1].axhline(error.mean, color=COLOURS[NOBODY], lw=1.0, ls=":")
     for axes, (label, estimate) in zip(panels, PANELS, strict=True):
         _draw(axes, points, estimate)
         axes.set_xscale("log")
@@ -139,8 +141,8 @@ def curve_figure(curve: LearningCurve) -> Figure:
         axes.set_ylim(bottom=0)
         axes.grid(axis="y", lw=0.4, color="#d0d7de")
         axes.spines[["top", "right"]].set_visible(False)
-    panels[-1].axhline(curve.baseline()[1].mean, color=COLOURS[NOBODY], lw=1.0, ls=":")
     handles, names = panels[0].get_legend_handles_labels()
+    handles, names = [*handles, line], [*names, f"{baseline} (last panel)"]
     figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False)
     return figure
 
