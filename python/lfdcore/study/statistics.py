@@ -141,3 +141,15 @@ def paired_proportions_test(a: ArrayLike, b: ArrayLike) -> float:
         raise ValueError(f"paired samples have shapes {x.shape} and {y.shape}, must be equal")
     gained, lost = int((~x & y).sum()), int((x & ~y).sum())
     return 1.0 if gained + lost == 0 else float(stats.binomtest(gained, gained + lost).pvalue)
+
+
+def poisson_rate(events: int, n: int) -> tuple[float, float, float]:
+    """Events a run and Garwood's exact 95 % interval of a Poisson rate, for `events` counted in `n` runs.
+
+    It has an upper end also where nothing was counted. Too narrow if runs differ in their rates.
+    """
+    if events < 0 or n < 1:
+        raise ValueError(f"events is {events} in n {n} runs, must be at least 0 in at least 1")
+    low = float(stats.chi2.ppf(0.025, 2 * events)) / 2 if events else 0.0
+    high = float(stats.chi2.ppf(0.975, 2 * events + 2)) / 2
+    return events / n, low / n, high / n

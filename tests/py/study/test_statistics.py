@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from lfdcore.study.statistics import paired_ratio, paired_test, proportion, summarise, summarise_bounded
+from lfdcore.study.statistics import paired_ratio, paired_test, poisson_rate, proportion, summarise, summarise_bounded
 
 
 def test_the_interval_of_the_mean_covers_the_truth_in_95_percent_of_samples() -> None:
@@ -95,3 +95,20 @@ def test_a_paired_ratio_is_over_the_pairs_that_count_alone() -> None:
     assert np.isnan(paired_ratio([0, 0], [1, 2], [True, True])[0])
     with pytest.raises(ValueError, match="must be equal"):
         paired_ratio([1, 2], [1, 2], [True])
+
+
+@pytest.mark.parametrize(("events", "n"), [(0, 10), (1, 10), (7, 3), (40, 20)])
+def test_garwoods_interval_ends_where_the_count_would_be_a_tail_of_2_5_percent(events: int, n: int) -> None:
+    rate, low, high = poisson_rate(events, n)
+    assert rate == events / n
+    assert stats.poisson.cdf(events, high * n) == pytest.approx(0.025)
+    if events:
+        assert stats.poisson.sf(events - 1, low * n) == pytest.approx(0.025)
+    else:
+        assert low == 0
+
+
+def test_no_rate_is_made_of_no_run() -> None:
+    for events, n in ((-1, 3), (0, 0)):
+        with pytest.raises(ValueError, match=f"events is {events} in n {n} runs"):
+            poisson_rate(events, n)
