@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from lfdcore.geometry import Footprint
     from lfdcore.study.prediction import LogPrediction
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.models import Model
     from lfdcore.wheelchair.path_prediction import PathPredictionConfig
 
 
@@ -45,7 +45,8 @@ def predict(
     begin: Annotated[float, typer.Option("--from", min=0, max=1, help="Share of each log's scans to begin at.")] = 0.0,
     end: Annotated[float, typer.Option("--to", min=0, max=1, help="Share of each log's scans to end at.")] = 1.0,
     rule: Annotated[
-        Rule | None, typer.Option(help="Default: median of all cells' votes; goal: path to the likeliest cell.")
+        Rule | None,
+        typer.Option(help="Of path primitives. Default: median of all cells' votes; goal: path to the likeliest cell."),
     ] = None,
     stick: Annotated[
         Stick, typer.Option(help="What an inferred joystick means: a stick as demonstrated, or the log's own limits.")
@@ -137,13 +138,13 @@ def _is_model(file: Path) -> bool:
     return head[8:] == b"{" and 1 < int.from_bytes(head[:8], "little") <= file.stat().st_size
 
 
-def _load(files: list[Path]) -> dict[str, DriveAssistantModel]:
+def _load(files: list[Path]) -> dict[str, Model]:
     """By stem; by whole path where two have the same."""
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.models import load_model
 
     stems = [file.stem for file in files]
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
-    return {name: DriveAssistantModel.load(file) for name, file in zip(names, files, strict=True)}
+    return {name: load_model(file) for name, file in zip(names, files, strict=True)}
 
 
 def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:

@@ -16,26 +16,28 @@ when the model was learned. `own` divides them by the log's own limits.
 from __future__ import annotations
 
 import dataclasses
-import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets import joystick_from_motion, open_log
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.datasets.motion import motion_limits, windowed_twist
-from lfdcore.errors import DataError
+from lfdcore.datasets.motion import full_deflection, motion_limits, windowed_twist
 from lfdcore.geometry import Pose2, Twist2, arc_length
 from lfdcore.study import path_error
 from lfdcore.study.path_error import ARC, REACH, REACHES, PathSamples, at_arc_lengths, path_errors, path_samples
 from lfdcore.study.statistics import block_bootstrap
+from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.heatmap_prediction import HeatmapPathPredictor, NaivePathPredictor
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.models import Model, full_deflection_of
 from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
+from lfdcore.wheelchair.planner import Compliance
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -44,7 +46,6 @@ STRAIGHT, ARC_ON = "straight", "constant arc"
 BLOCK = 2 * REACH
 """[m] of way whose samples are drawn together: paths of 2.5 m that start farther apart share nothing"""
 COMPLIANT_FROM = 0.9
-_PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
 
 
 class StickMeaning(StrEnum):
@@ -95,8 +96,9 @@ class ModelPaths:
     """(N, 25, 2) [m] at ARC, in base_link at the scan"""
     missing: NDArray[np.bool_]
     """(N,) where it predicts nothing and straight on stands in"""
-    compliant: NDArray[np.bool_]
-    """(N, 25) path points that agree with a later input (Sec. 3.5.2); False where nothing was predicted"""
+    compliant: NDArray[np.bool_] | None
+    """(N, 25) path points that agree with a later input (Sec. 3.5.2), False where nothing was predicted; None for a
+    model that knows no compliance (naive)"""
     deviation: Array
     """(N, 25) [m] of the way driven from each path point"""
     stick: str
@@ -105,7 +107,14 @@ class ModelPaths:
     @property
     def rmse(self) -> float:
         """[m] of the way driven from the compliant path points; NaN without any"""
-        return float(np.sqrt((self.deviation[self.compliant] ** 2).mean())) if self.compliant.any() else float("nan")
+        if self.compliant is None or not self.compliant.any():
+            return float("nan")
+        return float(np.sqrt((self.deviation[self.compliant] ** 2).mean()))
+
+    @property
+    def compliant_share(self) -> float | None:
+        """Of the path points; None without any, or for a model that knows no compliance"""
+        return float(self.compliant.mean()) if self.compliant is not None and self.compliant.size else None
 
 
 @dataclass(frozen=True)
@@ -142,58 +151,37 @@ def learn_from_logs(
 ) -> DriveAssistantModel:
     """learn_drive on the first `share` of each log's scans; a joystick that was not recorded is inferred from that
     share alone. The model's metadata keep what full deflection meant: `full_deflection` [m/s, rad/s], a pair a log."""
-    drives = [joystick_from_motion(log.share(0.0, share)) for log in logs]
+    drives = first_share(logs, share)
     model = learn_drive(drives, config or LearningConfig(), progress=progress)
     meant = [[*full_deflection(log)] for log in drives]
     return dataclasses.replace(model, metadata=model.metadata | {"full_deflection": meant})
 
 
-def full_deflection(log: DriveLog) -> Twist2:
-    """How fast [m/s, rad/s] the vehicle moves with the stick pushed fully: the median of velocity (mean over the last
-    half second) by deflection, where that is at least .2 and not cut to 1; the log's own limits for a direction in
-    which the stick was never pushed so."""
-    twist = windowed_twist(log.odometry_stamp, log.pose)
-    own, found = motion_limits(twist), []
-    newest = np.searchsorted(log.odometry_stamp, log.joystick_stamp, side="right") - 1
-    known = newest >= 0
-    for axis, limit in enumerate(own):
-        stick, speed = log.joystick[known, axis], twist[newest[known], axis]
-        told = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
-        if not told.any():
-            told = np.abs(stick) >= _PUSHED
-        ratio = float(np.median(speed[told] / stick[told])) if told.any() else limit
-        found.append(ratio if ratio > 0 else limit)
-    return Twist2(*found)
+def first_share(logs: Sequence[DriveLog], share: float) -> list[DriveLog]:
+    """The first `share` of each log's scans, with a joystick: where none was recorded, inferred from that share."""
+    return [joystick_from_motion(log.share(0.0, share)) for log in logs]
 
 
-def with_stick(
-    log: DriveLog, model: DriveAssistantModel, meaning: StickMeaning = StickMeaning.demonstrated
-) -> DriveLog:
+def with_stick(log: DriveLog, model: Model, meaning: StickMeaning = StickMeaning.demonstrated) -> DriveLog:
     """The log with the driver's input; recorded ones are left alone. See the module for what `meaning` decides; a
-    model that does not say what full deflection meant (of several demonstrations: the geometric mean) leaves `own`."""
-    told = model.metadata.get("full_deflection", [])
-    try:
-        said = np.array(told, float).reshape(-1, 2)
-    except (TypeError, ValueError) as error:
-        raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
-    if meaning is StickMeaning.own or not len(said):
+    model that does not say what full deflection meant leaves `own`."""
+    wanted = None if meaning is StickMeaning.own else full_deflection_of(model)
+    if wanted is None:
         return joystick_from_motion(log)
-    if not (np.isfinite(said).all() and (said > 0).all()):
-        raise DataError(f"the model's full_deflection is {said.tolist()} m/s and rad/s, must be positive")
-    wanted = np.exp(np.log(said).mean(axis=0))
     own = motion_limits(windowed_twist(log.odometry_stamp, log.pose))
-    scale = float((np.array([*own]) / wanted).max())
-    return joystick_from_motion(log, limits=Twist2(*(scale * wanted)))
+    scale = max(own.linear / wanted.linear, own.angular / wanted.angular)
+    return joystick_from_motion(log, limits=Twist2(scale * wanted.linear, scale * wanted.angular))
 
 
 def predict_log(
     log: DriveLog,
-    models: Mapping[str, DriveAssistantModel],
+    models: Mapping[str, Model],
     config: PathPredictionConfig | None = None,
     meaning: StickMeaning = StickMeaning.demonstrated,
     progress: Progress | None = None,
 ) -> LogPrediction:
-    """Runs every model at every sample of a log; progress(done, total) counts predictions.
+    """Runs every model, of whatever kind, at every sample of a log; progress(done, total) counts predictions. config:
+    of models of path primitives.
 
     A log without samples (no scans, no odometry, no common clock, standing still) gives one with an `outcome`.
     ValueError for a laser that lies outside the local window.
@@ -239,13 +227,13 @@ def _no_samples() -> PathSamples:
 def _along_log(
     log: DriveLog,
     samples: PathSamples,
-    model: DriveAssistantModel,
+    model: Model,
     config: PathPredictionConfig | None,
     meaning: StickMeaning,
     tell: _Counter,
 ) -> ModelPaths:
     driven = with_stick(log, model, meaning)
-    sticks, predictor = driven.joystick_at(driven.scan_stamp), PathPredictor(model, config)
+    sticks, predictor = driven.joystick_at(driven.scan_stamp), path_predictor(model, config)
     paths, missing = path_error.straight(samples.velocity), np.zeros(len(samples), bool)
     for k, i in enumerate(samples.scan):
         path = predictor.predict(sticks[i], driven.scan(int(i)), driven.T_base_laser)
@@ -253,20 +241,37 @@ def _along_log(
         if path is not None:
             paths[k] = at_arc_lengths(path)
         tell()
-    compliant = compliant_points(driven, samples, paths, model) & ~missing[:, None]
+    compliant = None
+    if predictor.compliance is not None:
+        compliant = compliant_points(driven, samples, paths, predictor.compliance) & ~missing[:, None]
     told = driven.metadata.get("joystick", "as recorded")
     return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), told)
 
 
-def compliant_points(
-    log: DriveLog, samples: PathSamples, paths: Array, model: DriveAssistantModel
-) -> NDArray[np.bool_]:
+def path_predictor(
+    model: Model, config: PathPredictionConfig | None = None
+) -> PathPredictor | HeatmapPathPredictor | NaivePathPredictor:
+    """What predicts paths with a model of any kind; config: of models of path primitives."""
+    if isinstance(model, HeatmapModel):
+        return HeatmapPathPredictor(model)
+    return NaivePathPredictor(model) if isinstance(model, NaiveHeatmapModel) else PathPredictor(model, config)
+
+
+class Judge(Compliance, Protocol):
+    """Judges compliance with control points up to the look-ahead that it is defined for."""
+
+    @property
+    def look_ahead(self) -> float:
+        """[m]"""
+
+
+def compliant_points(log: DriveLog, samples: PathSamples, paths: Array, judge: Judge) -> NDArray[np.bool_]:
     """Which points of the paths (N, A, 2) predicted at the samples agree with an input from then on -> (N, A); see the
     module. The inputs are those at the log's scans."""
     compliant = np.zeros(paths.shape[:2], bool)
     if not len(samples):
         return compliant
-    look_ahead = model.compliance.config.look_ahead
+    look_ahead = judge.look_ahead
     poses, sticks = log.pose_at(log.scan_stamp), log.joystick_at(log.scan_stamp)
     way = _way(log)
     inputs = np.flatnonzero(np.hypot(*sticks.T) > 0)
@@ -279,7 +284,7 @@ def compliant_points(
         near = (distance <= look_ahead) & (distance > 1e-6)
         if near.any():
             agrees = np.zeros(len(seen), bool)
-            agrees[near] = model.compliance.compliances(seen[near], sticks[i]) >= COMPLIANT_FROM
+            agrees[near] = judge.compliances(seen[near], sticks[i]) >= COMPLIANT_FROM
             compliant[open_] |= agrees.reshape(len(open_), -1)
     return compliant
 
@@ -325,7 +330,7 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
     about = {
         name: {
             "missing": float(paths.missing.mean()) if len(paths.missing) else None,
-            "compliant": float(paths.compliant.mean()) if len(paths.missing) else None,
+            "compliant": paths.compliant_share,
             "rmse_compliant": paths.rmse,
             "stick": paths.stick,
         }
@@ -373,8 +378,11 @@ def _cells(row: ErrorRow) -> tuple[str, ...]:
 
 
 def _about(name: str, paths: ModelPaths) -> str:
+    share = paths.compliant_share
+    judged = "compliance unknown to this model"
+    if share is not None:
+        judged = f"{100 * share:.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m"
     return (
-        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); "
-        f"{100 * paths.compliant.mean():.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m; "
+        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
         f"stick {paths.stick}"
     )

@@ -82,8 +82,8 @@ def test_the_interval_holds_the_mean_and_the_difference_is_paired(prediction) ->
 def test_of_a_path_as_driven_all_that_the_stick_still_tells_of_is_compliant(model) -> None:
     log = with_stick(corner_log(0.0, stick=False), model)
     samples = predict_log(log, {}).samples
-    compliant = compliant_points(log, samples, samples.driven, model)
-    mirrored = compliant_points(log, samples, samples.driven * [-1, 1], model)
+    compliant = compliant_points(log, samples, samples.driven, model.compliance)
+    mirrored = compliant_points(log, samples, samples.driven * [-1, 1], model.compliance)
     assert compliant[:, ARC <= 2.0].mean() > 0.9
     assert mirrored.mean() == 0.0
 
@@ -92,7 +92,7 @@ def test_compliance_is_that_of_any_later_input_as_a_slow_loop_finds_it(model) ->
     log = with_stick(corner_log(0.0, stick=False), model)
     samples = predict_log(log, {}).samples
     bent = samples.driven + np.stack([0 * ARC, 0.3 * ARC], 1)
-    found, poses = compliant_points(log, samples, bent, model), log.pose_at(log.scan_stamp)
+    found, poses = compliant_points(log, samples, bent, model.compliance), log.pose_at(log.scan_stamp)
     way = np.r_[0, np.cumsum(np.hypot(*np.diff(log.pose[:, :2], axis=0).T))]
     for k in range(0, len(samples), 23):
         start = samples.scan[k]
