@@ -65,8 +65,8 @@ def learn_heatmaps(
     """From demonstrations with a joystick (Sec. 4.2-4.4). ValueError as heatmap_pairs, learn_joystick and
     train_heatmap_net."""
     config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
-    joystick = learn_joystick(logs, config)
     pairs = heatmap_pairs(logs, config.targets, lambda done, total: tell("targets", done, total))
+    joystick = learn_joystick(logs, config)
     network = train_heatmap_net(pairs, config.network, lambda done, total: tell("network", done, total), on_epoch)
     metadata = _metadata(logs, len(pairs), network)
     return LearnedHeatmaps(HeatmapModel(SensorHeatmap(network.onnx), joystick, metadata), network)

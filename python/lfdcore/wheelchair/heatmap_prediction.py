@@ -90,7 +90,7 @@ class HeatmapPathPredictor:
         return np.asarray(np.exp(-0.5 * beside**2 * self._precision))
 
     def compliances(self, control_points: Floats, joystick: Floats) -> Floats:
-        """As HeatmapPlanner judges by default: the density of what is meant; 0 for a stick at rest."""
+        """As HeatmapPlanner judges by default: the density of what is meant; 0 for (0, 0)."""
         meant = self._meant(joystick)
         if meant is None:
             return np.zeros(len(control_points))
