@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lfdcore.datasets import open_log
-from lfdcore.study.courses import training_courses
+from lfdcore.study.courses import Course, training_courses
 from lfdcore.study.drivers import ExpertDriver
 from lfdcore.study.prediction import learn_from_logs
 from lfdcore.study.runner import RunConfig, run_drive
@@ -15,24 +15,31 @@ from lfdcore.wheelchair.assistants import Unassisted
 from lfdcore.wheelchair.model_file import LearningConfig
 
 MODEL_NAME = "assistant.safetensors"
+ATTEMPTS = 5
+"""of an expert at a demonstration"""
 
 
 def demonstrate(folder: Path, seed: int, config: RunConfig | None = None) -> list[tuple[Path, DriveTrace]]:
     """One expert run through each training course, unassisted -> drive logs in `folder` and their traces.
 
-    Raises RuntimeError if the expert fails or touches anything: nobody should learn from that.
+    An expert who touches anything or does not arrive drives again: nobody should learn from that. Raises RuntimeError
+    if the last of ATTEMPTS (seeds `seed`, `seed` + 1000, ...) fails too.
     """
-    done = []
-    for course in training_courses():
-        path = folder / f"demonstration-{course.name}.mcap"
-        trace = run_drive(course, ExpertDriver(course), Unassisted(), seed, config, path)
-        if not trace.completed or trace.collision.any():
-            raise RuntimeError(
-                f"the demonstration in {course.name} with seed {seed} ended '{trace.outcome}' after "
-                f"{int(trace.collision.sum())} contacts"
-            )
-        done.append((path, trace))
-    return done
+    return [
+        _demonstrated(course, folder / f"demonstration-{course.name}.mcap", seed, config)
+        for course in training_courses()
+    ]
+
+
+def _demonstrated(course: Course, path: Path, seed: int, config: RunConfig | None) -> tuple[Path, DriveTrace]:
+    for attempt in range(ATTEMPTS):
+        trace = run_drive(course, ExpertDriver(course), Unassisted(), seed + 1000 * attempt, config, path)
+        if trace.completed and not trace.collision.any():
+            return path, trace
+    raise RuntimeError(
+        f"the last of {ATTEMPTS} demonstrations in {course.name} from seed {seed} on ended '{trace.outcome}' after "
+        f"{int(trace.collision.sum())} contacts"
+    )
 
 
 def learn_from_demonstrations(

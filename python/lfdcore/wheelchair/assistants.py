@@ -177,6 +177,8 @@ class DriveAssistantConfig:
     own_turn_after: float = np.radians(90)
     """A driver who goes on asking for a turn to one side after the chair has turned this far [rad] wants a tighter one
     than any path: the user's own input, supervised; printed: never."""
+    own_turn_patience: float = 6.0
+    """... or has asked for it this long [s], more than a turn takes at an usual speed; printed: never."""
     dead_zone: float = 0.05
     """A joystick displaced less than this is at rest: stop."""
     reverse_from: float = np.radians(100)
@@ -203,6 +205,7 @@ class DriveAssistantConfig:
             refuse_below=0.0,
             replan_pause=0.0,
             own_turn_after=float("inf"),
+            own_turn_patience=float("inf"),
             map_duration=0.01,
             no_path_share=0.0,
             slow_within=0.0,
@@ -236,7 +239,8 @@ def _between(a: Twist2, b: Twist2, share: float) -> Twist2:
 
 
 class _HeldTurn:
-    """How far the chair has turned while the stick kept asking for a turn to one and the same side, also backwards."""
+    """How far the chair has turned, and for how long, while the stick kept asking for a turn to one and the same side,
+    also backwards."""
 
     STRAIGHT = 0.3  # inputs within this [rad] of straight ahead ask for no turn
 
@@ -244,18 +248,19 @@ class _HeldTurn:
         self._side = 0.0
         self._yaw = 0.0
         self._turned = 0.0
+        self._since = 0.0
 
-    def update(self, observation: Observation) -> float:
-        """Takes in a tick; -> angle turned [rad]."""
+    def update(self, observation: Observation) -> tuple[float, float]:
+        """Takes in a tick; -> angle turned [rad], time [s]."""
         forward, left = observation.joystick
         side = float(np.sign(left)) if abs(np.arctan2(left, forward)) > self.STRAIGHT else 0.0
         yaw = observation.pose.yaw
         if side == 0 or side != self._side:
-            self._turned = 0.0
+            self._turned, self._since = 0.0, observation.stamp
         else:
             self._turned += side * float(wrap_angle(yaw - self._yaw))
         self._side, self._yaw = side, yaw
-        return self._turned
+        return self._turned, observation.stamp - self._since
 
 
 @dataclass
@@ -308,11 +313,11 @@ class DriveAssistant:
         forward, left = observation.joystick
         if np.hypot(forward, left) < self.config.dead_zone:
             return self._stop(observation, "rest")
-        turned = self._held_turn.update(observation)
+        turned, held = self._held_turn.update(observation)
         if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
             self._track = None
             return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
-        if turned >= self.config.own_turn_after:
+        if turned >= self.config.own_turn_after or held >= self.config.own_turn_patience - 1e-9:
             self._track = None
             return self._supervised(Assistance(self._own(observation, 1.0), "own_turn"), observation, obstacles)
         planned = self._replan(observation, obstacles)

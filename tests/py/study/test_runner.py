@@ -11,8 +11,9 @@ import pytest
 from lfdcore.datasets import open_log
 from lfdcore.geometry import Twist2
 from lfdcore.simulation import LidarConfig
-from lfdcore.study.courses import Course, figure_eight, flat
-from lfdcore.study.drivers import Driver, ImpairedDriver
+from lfdcore.study.courses import Course, figure_eight, flat, training_courses
+from lfdcore.study.demonstrations import demonstrate
+from lfdcore.study.drivers import Driver, ExpertDriver, ImpairedDriver
 from lfdcore.study.driving import ARMS, FOOTNOTE_ARMS, DrivingStudy, StudyModels, make_assistant, run_driving_study
 from lfdcore.study.runner import Job, RunConfig, _interrupt_deferred, run_drive, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -218,3 +219,12 @@ def test_ctrl_c_while_processes_are_started_counts_once_all_are_known() -> None:
         reached = True
     assert reached
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_expert_who_touches_something_demonstrates_again(tmp_path: Path) -> None:
+    """Seed 12 touches in the first home; the log that stays is of the next attempt."""
+    course = training_courses()[0]
+    assert run_drive(course, ExpertDriver(course), Unassisted(), 12).collision.any()
+    path, trace = demonstrate(tmp_path, 12)[0]
+    assert trace.seed == 1012 and not trace.collision.any()
+    np.testing.assert_allclose(open_log(path).scan_stamp[-1], trace.stamp[-1])

@@ -364,6 +364,13 @@ def test_the_turn_is_given_back_as_soon_as_the_stick_goes_elsewhere(assistant: D
     assert done[120][1].mode != "own_turn"
 
 
+def test_a_slow_driver_who_holds_a_turn_for_6_s_gets_it_himself(assistant: DriveAssistant) -> None:
+    done = drive(assistant, lambda _: (0.1, 0.2), 80, walls=OPEN)
+    first = next(k for k, (_, said) in enumerate(done) if said.mode == "own_turn")
+    assert first == 60
+    assert done[first][0].pose.yaw < np.pi / 2
+
+
 def test_a_stick_that_flickers_to_behind_on_the_same_side_keeps_its_turn(assistant: DriveAssistant) -> None:
     """A coarse stick held at 72 degrees comes out at 144 now and then: the driver still asks for the same turn."""
     done = drive(assistant, lambda tick: (-0.6, 0.4) if tick in (60, 90) else (0.25, 0.75), 130, walls=OPEN)

@@ -24,10 +24,13 @@ from lfdcore.study.courses import home
 from lfdcore.study.drivers import ExpertDriver
 from lfdcore.study.runner import run_drive
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
-from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
+from lfdcore.wheelchair.planner import Planner
+from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner
 
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {
@@ -191,6 +194,7 @@ SCENES = [
 ]
 
 
+OPEN_SCAN = LaserScan(np.full(181, np.inf, np.float32), -np.pi / 2, np.pi / 180, 0.0, 30.0)
 WINDOWS = [
     # (boxes (x0, y0, x1, y1) [m] in base_link, stick): a trap to get out of; a gap hardly wider than the chair
     ([(1.0, -0.8, 1.1, 1.4), (0.0, 1.3, 1.1, 1.4)], (0.7, 0.2)),
@@ -205,28 +209,42 @@ def window(boxes: list[tuple[float, float, float, float]]) -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, (-2.5, -2.5))
 
 
-def planned_paths(config: PrimitivesPlannerConfig, model: DriveAssistantModel) -> Iterator[bytes]:
+def planned_paths(planner: Planner) -> Iterator[bytes]:
     """Paths among obstacles that the present scan does not show."""
-    planner = PrimitivesPlanner(model, config, ChairGeometry())
-    scan = LaserScan(np.full(181, np.inf, np.float32), -np.pi / 2, np.pi / 180, 0.0, 30.0)
     for boxes, stick in WINDOWS:
         grid = window(boxes)
         iy, ix = np.nonzero(grid.data)
         obstacles = ObstaclePoints(np.stack([ix + 0.5, iy + 0.5], axis=1) * 0.05 - 2.5)
-        plan = planner.plan(Observation(0.0, scan, 0.0, Pose2(), Twist2(0.3, 0.0), stick), grid, obstacles)
+        plan = planner.plan(Observation(0.0, OPEN_SCAN, 0.0, Pose2(), Twist2(0.3, 0.0), stick), grid, obstacles)
         yield b"" if plan is None else plan.path.tobytes()
 
 
-def assistant_outcome(config: DriveAssistantConfig, model: DriveAssistantModel) -> Iterator[Any]:
-    """Paths in hand-made windows, commands along drives through scenes."""
-    yield from planned_paths(config.primitives, model)
+def landscapes(planner: HeatmapPlanner) -> Iterator[bytes]:
+    """Values after Q-learning over the same windows: its last sweep shows in them, if not in a path."""
+    for boxes, stick in WINDOWS:
+        grid = window(boxes)
+        heat = planner.heat(Observation(0.0, OPEN_SCAN, 0.0, Pose2(), Twist2(), stick), grid)
+        assert heat is not None
+        yield planner.solve(grid, heat, 0.25).values().tobytes()
+
+
+def assistant_outcome(
+    config: DriveAssistantConfig, model: DriveAssistantModel, heatmaps: HeatmapModel
+) -> Iterator[Any]:
+    """Paths in hand-made windows, commands along drives through scenes, by both methods."""
+    yield from planned_paths(PrimitivesPlanner(model, config.primitives, ChairGeometry()))
+    over_heatmaps = HeatmapPlanner(heatmaps, config.heatmaps, ChairGeometry())
+    yield from planned_paths(over_heatmaps)
+    yield from landscapes(over_heatmaps)
     for scene in SCENES:
         yield from scene.commands(DriveAssistant(model, config=config))
+    for scene in SCENES:
+        yield from scene.commands(DriveAssistant(heatmaps, config=config))
 
 
 @pytest.fixture(scope="module")
 def outcome(
-    log: Any, restless: Any, seen: list[Observation], model: DriveAssistantModel
+    log: Any, restless: Any, seen: list[Observation], model: DriveAssistantModel, heatmap_model: Path
 ) -> Callable[[str, Any], Iterator[Any]]:
     """(config's kind, config) -> its outcome, piece by piece."""
 
@@ -235,7 +253,7 @@ def outcome(
             return learning_outcome(config, [log, restless], seen)
         if kind == "prediction":
             return prediction_outcome(config, model, seen, log.T_base_laser)
-        return assistant_outcome(config, model)
+        return assistant_outcome(config, model, HeatmapModel.load(heatmap_model))
 
     return of
 
