@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -63,7 +64,7 @@ def predict(
 ) -> None:
     """Predict paths along real logs and compare them with what was driven: path error beside two baselines."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import StickMeaning, as_text, predict_log
+    from lfdcore.study.prediction import StickMeaning, as_text, pooled_rows, pooled_text, predict_log
     from lfdcore.study.prediction import as_json as in_json
 
     if not begin < end:
@@ -82,13 +83,17 @@ def predict(
     if picture is not None:
         _draw(predictions, outline, picture)
     if as_json:
-        print_json({"from": begin, "to": end, "seed": seed, "logs": [in_json(p, seed) for p in predictions]})
+        together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
+        logs_json = [in_json(p, seed) for p in predictions]
+        print_json({"from": begin, "to": end, "seed": seed, "logs": logs_json, "together": together})
     else:
         typer.echo(
             f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n"
         )
         for prediction in predictions:
             typer.echo(as_text(prediction, seed))
+        if sum(not prediction.outcome for prediction in predictions) > 1:
+            typer.echo(pooled_text(predictions, seed))
     if all(prediction.outcome for prediction in predictions):
         raise typer.Exit(1)
 

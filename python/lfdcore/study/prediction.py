@@ -31,7 +31,7 @@ from lfdcore.datasets.motion import full_deflection, motion_limits, windowed_twi
 from lfdcore.geometry import Pose2, Twist2, arc_length
 from lfdcore.study import path_error
 from lfdcore.study.path_error import ARC, REACH, REACHES, PathSamples, at_arc_lengths, path_errors, path_samples
-from lfdcore.study.statistics import block_bootstrap
+from lfdcore.study.statistics import block_bootstrap, block_bootstrap_ratio
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmap_prediction import HeatmapPathPredictor, NaivePathPredictor
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
@@ -84,6 +84,10 @@ class ErrorRow:
     """[m] mean of the paired difference to the better baseline (the one of smaller mean), < 0: better; 0 for itself"""
     difference_low: float
     difference_high: float
+    ratio: float
+    """of the mean to the better baseline's"""
+    ratio_low: float
+    ratio_high: float
     baseline: str
     """which baseline is the better one"""
 
@@ -306,22 +310,49 @@ def _deviations(paths: Array, driven: Array) -> Array:
 
 
 def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
-    """n, mean, median, 95 % interval and paired difference to the better baseline, at 1, 2 and 2.5 m."""
-    samples, predicted = prediction.samples, prediction.predicted()
-    if not len(samples):
+    """n, mean, median, 95 % interval, paired difference and ratio to the better baseline, at 1, 2 and 2.5 m."""
+    return pooled_rows([prediction], seed)
+
+
+def pooled_rows(predictions: Sequence[LogPrediction], seed: int = 1) -> list[ErrorRow]:
+    """error_rows of the samples of several logs together, all by the same models. ValueError if they are not."""
+    judged = [p for p in predictions if len(p.samples)]
+    if not judged:
         return []
-    blocks = np.floor_divide(_way(prediction.log)[samples.scan], BLOCK).astype(int)
+    predicted = [p.predicted() for p in judged]
+    if any(one.keys() != predicted[0].keys() for one in predicted):
+        raise ValueError(f"logs were predicted by different models: {[list(p.models) for p in judged]}")
+    paths = {name: np.concatenate([one[name] for one in predicted]) for name in predicted[0]}
+    driven, blocks = np.concatenate([p.samples.driven for p in judged]), _blocks(judged)
+    return [row for reach in REACHES for row in _rows(paths, driven, blocks, reach, seed)]
+
+
+def _blocks(predictions: Sequence[LogPrediction]) -> NDArray[np.int_]:
+    """(N,) which 5 m of way, of which log, each sample belongs to"""
+    found: list[NDArray[np.int_]] = []
+    first = 0
+    for p in predictions:
+        found.append(first + np.floor_divide(_way(p.log)[p.samples.scan], BLOCK).astype(int))
+        first = int(found[-1].max()) + 1
+    return np.concatenate(found)
+
+
+def _rows(
+    predicted: Mapping[str, Array], driven: Array, blocks: NDArray[np.int_], reach: float, seed: int
+) -> list[ErrorRow]:
+    errors = {name: path_errors(paths, driven, reach) for name, paths in predicted.items()}
+    best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
+    columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
+    low, high = block_bootstrap(columns, blocks, seed)
+    share = columns[:, : len(errors)].mean(axis=0) / errors[best].mean()
+    share_low, share_high = block_bootstrap_ratio(columns[:, : len(errors)], errors[best], blocks, seed)
     rows = []
-    for reach in REACHES:
-        errors = {name: path_errors(paths, samples.driven, reach) for name, paths in predicted.items()}
-        best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
-        columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
-        low, high = block_bootstrap(columns, blocks, seed)
-        for k, (name, e) in enumerate(errors.items()):
-            d = k + len(errors)
-            own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
-            paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
-            rows.append(ErrorRow(name, reach, len(e), *own, *paired, best))
+    for k, (name, e) in enumerate(errors.items()):
+        d = k + len(errors)
+        own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
+        paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
+        ratio = (float(share[k]), float(share_low[k]), float(share_high[k]))
+        rows.append(ErrorRow(name, reach, len(e), *own, *paired, *ratio, best))
     return rows
 
 
@@ -342,22 +373,36 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
 
 def prediction_cells(prediction: LogPrediction, seed: int = 1) -> list[tuple[str, ...]]:
     """The header and a row a method and reach, as text."""
-    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %")
-    return [header, *(tuple(_cells(row)) for row in error_rows(prediction, seed))]
+    return _table(error_rows(prediction, seed))
 
 
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:
     """The same for people: a table, and a line a model."""
     if prediction.outcome:
         return f"{prediction.log.name}: {prediction.outcome}\n"
-    rows = prediction_cells(prediction, seed)
+    lines = [f"{prediction.log.name}: path error", *_aligned(prediction_cells(prediction, seed))]
+    lines += [_about(name, paths) for name, paths in prediction.models.items()]
+    return "\n".join(lines) + "\n"
+
+
+def pooled_text(predictions: Sequence[LogPrediction], seed: int = 1) -> str:
+    """For people: one table of all logs together."""
+    judged = [p.log.name for p in predictions if not p.outcome]
+    return "\n".join([f"{', '.join(judged)} together: path error", *_aligned(_table(pooled_rows(predictions, seed)))])
+
+
+def _table(rows: Sequence[ErrorRow]) -> list[tuple[str, ...]]:
+    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %", "ratio", "95 %")
+    return [header, *(tuple(_cells(row)) for row in rows)]
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
     widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
-    lines = [f"{prediction.log.name}: path error"]
+    lines = []
     for first, *others in rows:
         cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
         lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
-    lines += [_about(name, paths) for name, paths in prediction.models.items()]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _cells(row: ErrorRow) -> tuple[str, ...]:
@@ -374,6 +419,8 @@ def _cells(row: ErrorRow) -> tuple[str, ...]:
         f"{row.median:.3f}",
         "is it" if baseline else f"{row.difference:+.3f}",
         "" if baseline else interval(row.difference_low, row.difference_high),
+        f"{row.ratio:.3f}",
+        "" if baseline else interval(row.ratio_low, row.ratio_high),
     )
 
 
