@@ -12,8 +12,10 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
+from lfdcore.geometry import arc_length
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_joystick_model
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.joystick_model import JoystickModel, JoystickModelConfig
@@ -21,6 +23,7 @@ from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""
+_MOST_OWN = 20_000  # pairs, of 30 kB each, but for those that turns on the spot add
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +42,18 @@ class HeatmapLearningConfig:
 
     def for_logs(self, logs: Sequence[DriveLog]) -> HeatmapLearningConfig:
         """Unchanged where every log names a place (see heatmap_targets). Else there is but one way a scan: targets are
-        the driver's own ways from scans .05 m apart, and the network, that sees each of them in nearly the same scans
+        the driver's own ways from scans .05 m apart (farther on more than 1 km of way, so that memory is bounded), and the network, that sees each of them in nearly the same scans
         again and again, learns for 12 epochs with weights kept small (found by blocks inside freiburg-079's first
         70 %, see docs/real-logs.md)."""
         if all("place" in log.metadata for log in logs):
             return self
-        targets = replace(self.targets, paths="own", spacing=0.05)
+        targets = replace(self.targets, paths="own", spacing=_own_spacing(logs))
         return replace(self, targets=targets, network=replace(self.network, epochs=12, weight_decay=1e-2))
+
+
+def _own_spacing(logs: Sequence[DriveLog]) -> float:
+    way = sum(float(arc_length(log.pose[:, :2])[-1]) for log in logs if len(log.pose))
+    return float(np.clip(way / _MOST_OWN, 0.05, WINDOW))
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,13 @@ def test_logs_that_all_name_a_place_share_their_paths_and_one_that_does_not_ends
     assert thesis.joystick.prior == "zero"
 
 
+def test_memory_is_bounded_on_the_longest_drives(driven) -> None:
+    far = dataclasses.replace(driven, pose=driven.pose * [1e3, 1e3, 1], metadata={})
+    assert HeatmapLearningConfig().for_logs([far]).targets.spacing == pytest.approx(5 * 1e3 / 20_000, rel=0.1)
+    beyond = dataclasses.replace(driven, pose=driven.pose * [1e6, 1e6, 1], metadata={})
+    assert HeatmapLearningConfig().for_logs([beyond]).targets.spacing == 2.5
+
+
 def test_a_log_with_commands_and_a_note_teaches_by_the_safe_stick(commanded) -> None:
     pairs = joystick_pairs(commanded)
     np.testing.assert_array_equal(
