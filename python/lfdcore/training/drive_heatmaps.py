@@ -42,9 +42,9 @@ class HeatmapLearningConfig:
 
     def for_logs(self, logs: Sequence[DriveLog]) -> HeatmapLearningConfig:
         """Unchanged where every log names a place (see heatmap_targets). Else there is but one way a scan: targets are
-        the driver's own ways from scans .05 m apart (farther on more than 1 km of way, so that memory is bounded), and the network, that sees each of them in nearly the same scans
-        again and again, learns for 12 epochs with weights kept small (found by blocks inside freiburg-079's first
-        70 %, see docs/real-logs.md)."""
+        the driver's own ways from scans .05 m apart (farther on more than 1 km of way, so that memory is bounded), and
+        the network, that sees each of them in nearly the same scans again and again, learns for 12 epochs with weights
+        kept small (found by blocks inside freiburg-079's first 70 %, see docs/real-logs.md)."""
         if all("place" in log.metadata for log in logs):
             return self
         targets = replace(self.targets, paths="own", spacing=_own_spacing(logs))
