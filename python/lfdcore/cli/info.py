@@ -29,12 +29,18 @@ def _facts(file: Path) -> dict[str, Any]:
     from lfdcore.wheelchair.tensor_file import is_tensor_file
 
     if file.suffix == ".safetensors" or is_tensor_file(file):
-        from lfdcore.wheelchair.model_file import DriveAssistantModel
-
-        return {"kind": "drive assistant model", **DriveAssistantModel.load(file).summary()}
+        return _model_facts(file)
     if file.suffix in {".yaml", ".yml"}:
         return _map_facts(file)
     return _log_facts(file)
+
+
+def _model_facts(file: Path) -> dict[str, Any]:
+    from lfdcore.wheelchair.models import load_model
+    from lfdcore.wheelchair.tensor_file import tensor_file_format
+
+    model = load_model(file)
+    return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}
 
 
 def _map_facts(file: Path) -> dict[str, Any]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,7 +18,22 @@ from lfdcore.cli.common import (
     progress_bar,
 )
 
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from lfdcore.datasets.drive_log import DriveLog
+    from lfdcore.training.heatmap_net import TrainedHeatmapNet
+    from lfdcore.wheelchair.models import Model
+
 app = typer.Typer(help="Learn a model from demonstrations.", no_args_is_help=True)
+
+
+class Method(StrEnum):
+    """What is learned."""
+
+    primitives = "primitives"
+    heatmaps = "heatmaps"
+    naive = "naive"
 
 
 @app.callback()
@@ -28,30 +45,86 @@ def _group() -> None:
 def learn_drive_command(
     logs: LogArguments,
     output: Annotated[Path, typer.Option("--output", "-o", help="Where the model goes (.safetensors).")],
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="primitives: intention, path primitives, compliance (Ch. 3); heatmaps: of scan and joystick (Ch. 4); "
+            "naive: one network for both (Sec. 4.6.2). The latter two need the extra 'train'."
+        ),
+    ] = Method.primitives,
     share: Annotated[float, typer.Option(min=0, max=1, help="Learn from this first share of each log's scans.")] = 1.0,
     preset: PresetOption = Preset.default,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn local intention, path primitives and compliance from drives (Ch. 3)."""
+    """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import learn_from_logs
-    from lfdcore.wheelchair.model_file import LearningConfig
 
     _require_writable(output, logs)
+    if method is not Method.primitives:
+        _require_training()
     drives = [open_log(path) for path in logs]
-    config = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
     with progress_bar() as bar:
-        task = bar.add_task("learning", total=None)
-        model = learn_from_logs(
-            drives, share, config, progress=lambda done, total: bar.update(task, completed=done, total=total)
-        )
+        model, network = _learn(method, drives, share, preset, bar)
     model.save(output)
     facts = {"model": str(output), **model.summary()}
     if as_json:
-        print_json(facts)
+        print_json(facts | ({} if network is None else {"curve": [dataclasses.asdict(e) for e in network.curve]}))
         return
     for name, value in facts.items():
         typer.echo(f"{name:>24}  {value}")
+    if network is not None:
+        typer.echo(_curve(network))
+
+
+def _learn(
+    method: Method, drives: list[DriveLog], share: float, preset: Preset, bar: Progress
+) -> tuple[Model, TrainedHeatmapNet | None]:
+    from lfdcore.study.prediction import first_share, learn_from_logs
+
+    tell = _Stages(bar)
+    if method is Method.primitives:
+        from lfdcore.wheelchair.model_file import LearningConfig
+
+        settings = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
+        return learn_from_logs(drives, share, settings, lambda done, total: tell("learning", done, total)), None
+    from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps, learn_naive_heatmap
+
+    demonstrations = first_share(drives, share)
+    config = HeatmapLearningConfig.thesis() if preset is Preset.thesis else HeatmapLearningConfig()
+    config = config.for_logs(demonstrations)
+    if method is Method.naive:
+        return learn_naive_heatmap(demonstrations, config, tell)
+    learned = learn_heatmaps(demonstrations, config, tell)
+    return learned.model, learned.network
+
+
+class _Stages:
+    """A bar for every stage of learning"""
+
+    def __init__(self, bar: Progress) -> None:
+        self._bar = bar
+        self._tasks: dict[str, Any] = {}
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        if stage not in self._tasks:
+            self._tasks[stage] = self._bar.add_task(stage, total=total)
+        self._bar.update(self._tasks[stage], completed=done, total=total)
+
+
+def _curve(network: TrainedHeatmapNet) -> str:
+    """The learning curves: mean binary cross-entropy a cell"""
+    rows = [f"{'epoch':>5}  {'train':>6}  {'validation':>10}"]
+    for epoch in network.curve:
+        kept = "  kept" if epoch == network.best else ""
+        rows.append(f"{epoch.epoch:>5}  {epoch.train:>6.4f}  {epoch.validation:>10.4f}{kept}")
+    return "\n".join(["", *rows])
+
+
+def _require_training() -> None:
+    try:
+        import lfdcore.training.drive_heatmaps  # noqa: F401
+    except ModuleNotFoundError as missing:
+        raise ValueError(f"learning heatmaps needs {missing.name}: install lfdcore with the extra 'train'") from missing
 
 
 def _require_writable(output: Path, logs: list[Path]) -> None:

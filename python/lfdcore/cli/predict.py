@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from lfdcore.geometry import Footprint
     from lfdcore.study.prediction import LogPrediction
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.models import Model
     from lfdcore.wheelchair.path_prediction import PathPredictionConfig
 
 
@@ -45,7 +46,8 @@ def predict(
     begin: Annotated[float, typer.Option("--from", min=0, max=1, help="Share of each log's scans to begin at.")] = 0.0,
     end: Annotated[float, typer.Option("--to", min=0, max=1, help="Share of each log's scans to end at.")] = 1.0,
     rule: Annotated[
-        Rule | None, typer.Option(help="Default: median of all cells' votes; goal: path to the likeliest cell.")
+        Rule | None,
+        typer.Option(help="Of path primitives. Default: median of all cells' votes; goal: path to the likeliest cell."),
     ] = None,
     stick: Annotated[
         Stick, typer.Option(help="What an inferred joystick means: a stick as demonstrated, or the log's own limits.")
@@ -62,7 +64,7 @@ def predict(
 ) -> None:
     """Predict paths along real logs and compare them with what was driven: path error beside two baselines."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import StickMeaning, as_text, predict_log
+    from lfdcore.study.prediction import StickMeaning, as_text, pooled_rows, pooled_text, predict_log
     from lfdcore.study.prediction import as_json as in_json
 
     if not begin < end:
@@ -81,13 +83,17 @@ def predict(
     if picture is not None:
         _draw(predictions, outline, picture)
     if as_json:
-        print_json({"from": begin, "to": end, "seed": seed, "logs": [in_json(p, seed) for p in predictions]})
+        together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
+        logs_json = [in_json(p, seed) for p in predictions]
+        print_json({"from": begin, "to": end, "seed": seed, "logs": logs_json, "together": together})
     else:
         typer.echo(
             f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n"
         )
         for prediction in predictions:
             typer.echo(as_text(prediction, seed))
+        if sum(not prediction.outcome for prediction in predictions) > 1:
+            typer.echo(pooled_text(predictions, seed))
     if all(prediction.outcome for prediction in predictions):
         raise typer.Exit(1)
 
@@ -137,13 +143,13 @@ def _is_model(file: Path) -> bool:
     return head[8:] == b"{" and 1 < int.from_bytes(head[:8], "little") <= file.stat().st_size
 
 
-def _load(files: list[Path]) -> dict[str, DriveAssistantModel]:
+def _load(files: list[Path]) -> dict[str, Model]:
     """By stem; by whole path where two have the same."""
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.models import load_model
 
     stems = [file.stem for file in files]
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
-    return {name: DriveAssistantModel.load(file) for name, file in zip(names, files, strict=True)}
+    return {name: load_model(file) for name, file in zip(names, files, strict=True)}
 
 
 def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:

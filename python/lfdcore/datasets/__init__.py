@@ -3,9 +3,10 @@
 from lfdcore.datasets.carmen import read_carmen
 from lfdcore.datasets.drive_log import DriveLog, DriveLogWriter, Intention, Plan
 from lfdcore.datasets.drive_log_reader import read_drive_log
+from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.formats import open_log
 from lfdcore.datasets.maps import read_map, write_map
-from lfdcore.datasets.motion import joystick_from_motion
+from lfdcore.datasets.motion import full_deflection, joystick_from_motion
 from lfdcore.datasets.mrpt import read_mrpt
 from lfdcore.datasets.rosbag import read_rosbag
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, noted_limits, safe_joystick, twist_to_joystick
@@ -16,6 +17,8 @@ __all__ = [
     "Intention",
     "JoystickPairs",
     "Plan",
+    "followed_pairs",
+    "full_deflection",
     "joystick_from_motion",
     "joystick_pairs",
     "noted_limits",

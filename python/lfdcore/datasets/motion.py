@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.safe_joystick import noted_limits, notes_limits
 from lfdcore.geometry import Twist2
 
 Array = NDArray[np.float64]
@@ -18,6 +19,7 @@ LIMIT_PERCENTILE = 95.0
 """of the speeds above MOVING that counts as full deflection"""
 MOVING = 0.05
 """[m/s] and [rad/s] below which a speed says nothing about the limits"""
+_PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
 
 
 def windowed_twist(stamp: Array, pose: Array, window: float = WINDOW) -> Array:
@@ -48,6 +50,27 @@ def motion_limits(twist: Array) -> Twist2:
         for speed in np.abs(twist).T
     )
     return Twist2(linear, angular)
+
+
+def full_deflection(log: DriveLog) -> Twist2:
+    """How fast [m/s, rad/s] the vehicle moves with the stick pushed fully: as the log notes it, else the median of
+    velocity (mean over the last half second) by deflection, where that is at least .2 and not cut to 1; the log's own
+    limits for a direction in which the stick was never pushed so."""
+    if notes_limits(log):
+        noted = noted_limits(log)
+        return Twist2(noted.max_linear, noted.max_angular)
+    twist = windowed_twist(log.odometry_stamp, log.pose)
+    own, found = motion_limits(twist), []
+    newest = np.searchsorted(log.odometry_stamp, log.joystick_stamp, side="right") - 1
+    known = newest >= 0
+    for axis, limit in enumerate(own):
+        stick, speed = log.joystick[known, axis], twist[newest[known], axis]
+        told = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
+        if not told.any():
+            told = np.abs(stick) >= _PUSHED
+        ratio = float(np.median(speed[told] / stick[told])) if told.any() else limit
+        found.append(ratio if ratio > 0 else limit)
+    return Twist2(*found)
 
 
 def joystick_from_motion(log: DriveLog, window: float = WINDOW, limits: Twist2 | None = None) -> DriveLog:

@@ -56,12 +56,17 @@ def limits_note(limits: MotionLimits) -> dict[str, str]:
     return {_LIMITS: f"{limits.max_linear!r} {limits.max_reverse!r} {limits.max_angular!r}"}
 
 
+def notes_limits(log: DriveLog) -> bool:
+    """Whether the log says what full stick meant."""
+    return _LIMITS in log.metadata
+
+
 def noted_limits(log: DriveLog) -> MotionLimits:
     """What full stick meant when the log was recorded (its accelerations are not noted).
 
     ValueError for a log that does not say it, DataError for one that says no three speeds.
     """
-    if _LIMITS not in log.metadata:
+    if not notes_limits(log):
         raise ValueError(f"log {log.name!r} does not say what full stick means, give its limits")
     text = log.metadata[_LIMITS]
     try:

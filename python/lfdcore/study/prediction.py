@@ -16,26 +16,28 @@ when the model was learned. `own` divides them by the log's own limits.
 from __future__ import annotations
 
 import dataclasses
-import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets import joystick_from_motion, open_log
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.datasets.motion import motion_limits, windowed_twist
-from lfdcore.errors import DataError
+from lfdcore.datasets.motion import full_deflection, motion_limits, windowed_twist
 from lfdcore.geometry import Pose2, Twist2, arc_length
 from lfdcore.study import path_error
 from lfdcore.study.path_error import ARC, REACH, REACHES, PathSamples, at_arc_lengths, path_errors, path_samples
-from lfdcore.study.statistics import block_bootstrap
+from lfdcore.study.statistics import block_bootstrap, block_bootstrap_ratio
+from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.heatmap_prediction import HeatmapPathPredictor, NaivePathPredictor
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.models import Model, full_deflection_of
 from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
+from lfdcore.wheelchair.planner import Compliance
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -44,7 +46,6 @@ STRAIGHT, ARC_ON = "straight", "constant arc"
 BLOCK = 2 * REACH
 """[m] of way whose samples are drawn together: paths of 2.5 m that start farther apart share nothing"""
 COMPLIANT_FROM = 0.9
-_PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
 
 
 class StickMeaning(StrEnum):
@@ -83,6 +84,10 @@ class ErrorRow:
     """[m] mean of the paired difference to the better baseline (the one of smaller mean), < 0: better; 0 for itself"""
     difference_low: float
     difference_high: float
+    ratio: float
+    """of the mean to the better baseline's"""
+    ratio_low: float
+    ratio_high: float
     baseline: str
     """which baseline is the better one"""
 
@@ -95,8 +100,9 @@ class ModelPaths:
     """(N, 25, 2) [m] at ARC, in base_link at the scan"""
     missing: NDArray[np.bool_]
     """(N,) where it predicts nothing and straight on stands in"""
-    compliant: NDArray[np.bool_]
-    """(N, 25) path points that agree with a later input (Sec. 3.5.2); False where nothing was predicted"""
+    compliant: NDArray[np.bool_] | None
+    """(N, 25) path points that agree with a later input (Sec. 3.5.2), False where nothing was predicted; None for a
+    model that knows no compliance (naive)"""
     deviation: Array
     """(N, 25) [m] of the way driven from each path point"""
     stick: str
@@ -105,7 +111,14 @@ class ModelPaths:
     @property
     def rmse(self) -> float:
         """[m] of the way driven from the compliant path points; NaN without any"""
-        return float(np.sqrt((self.deviation[self.compliant] ** 2).mean())) if self.compliant.any() else float("nan")
+        if self.compliant is None or not self.compliant.any():
+            return float("nan")
+        return float(np.sqrt((self.deviation[self.compliant] ** 2).mean()))
+
+    @property
+    def compliant_share(self) -> float | None:
+        """Of the path points; None without any, or for a model that knows no compliance"""
+        return float(self.compliant.mean()) if self.compliant is not None and self.compliant.size else None
 
 
 @dataclass(frozen=True)
@@ -142,58 +155,37 @@ def learn_from_logs(
 ) -> DriveAssistantModel:
     """learn_drive on the first `share` of each log's scans; a joystick that was not recorded is inferred from that
     share alone. The model's metadata keep what full deflection meant: `full_deflection` [m/s, rad/s], a pair a log."""
-    drives = [joystick_from_motion(log.share(0.0, share)) for log in logs]
+    drives = first_share(logs, share)
     model = learn_drive(drives, config or LearningConfig(), progress=progress)
     meant = [[*full_deflection(log)] for log in drives]
     return dataclasses.replace(model, metadata=model.metadata | {"full_deflection": meant})
 
 
-def full_deflection(log: DriveLog) -> Twist2:
-    """How fast [m/s, rad/s] the vehicle moves with the stick pushed fully: the median of velocity (mean over the last
-    half second) by deflection, where that is at least .2 and not cut to 1; the log's own limits for a direction in
-    which the stick was never pushed so."""
-    twist = windowed_twist(log.odometry_stamp, log.pose)
-    own, found = motion_limits(twist), []
-    newest = np.searchsorted(log.odometry_stamp, log.joystick_stamp, side="right") - 1
-    known = newest >= 0
-    for axis, limit in enumerate(own):
-        stick, speed = log.joystick[known, axis], twist[newest[known], axis]
-        told = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
-        if not told.any():
-            told = np.abs(stick) >= _PUSHED
-        ratio = float(np.median(speed[told] / stick[told])) if told.any() else limit
-        found.append(ratio if ratio > 0 else limit)
-    return Twist2(*found)
+def first_share(logs: Sequence[DriveLog], share: float) -> list[DriveLog]:
+    """The first `share` of each log's scans, with a joystick: where none was recorded, inferred from that share."""
+    return [joystick_from_motion(log.share(0.0, share)) for log in logs]
 
 
-def with_stick(
-    log: DriveLog, model: DriveAssistantModel, meaning: StickMeaning = StickMeaning.demonstrated
-) -> DriveLog:
+def with_stick(log: DriveLog, model: Model, meaning: StickMeaning = StickMeaning.demonstrated) -> DriveLog:
     """The log with the driver's input; recorded ones are left alone. See the module for what `meaning` decides; a
-    model that does not say what full deflection meant (of several demonstrations: the geometric mean) leaves `own`."""
-    told = model.metadata.get("full_deflection", [])
-    try:
-        said = np.array(told, float).reshape(-1, 2)
-    except (TypeError, ValueError) as error:
-        raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
-    if meaning is StickMeaning.own or not len(said):
+    model that does not say what full deflection meant leaves `own`."""
+    wanted = None if meaning is StickMeaning.own else full_deflection_of(model)
+    if wanted is None:
         return joystick_from_motion(log)
-    if not (np.isfinite(said).all() and (said > 0).all()):
-        raise DataError(f"the model's full_deflection is {said.tolist()} m/s and rad/s, must be positive")
-    wanted = np.exp(np.log(said).mean(axis=0))
     own = motion_limits(windowed_twist(log.odometry_stamp, log.pose))
-    scale = float((np.array([*own]) / wanted).max())
-    return joystick_from_motion(log, limits=Twist2(*(scale * wanted)))
+    scale = max(own.linear / wanted.linear, own.angular / wanted.angular)
+    return joystick_from_motion(log, limits=Twist2(scale * wanted.linear, scale * wanted.angular))
 
 
 def predict_log(
     log: DriveLog,
-    models: Mapping[str, DriveAssistantModel],
+    models: Mapping[str, Model],
     config: PathPredictionConfig | None = None,
     meaning: StickMeaning = StickMeaning.demonstrated,
     progress: Progress | None = None,
 ) -> LogPrediction:
-    """Runs every model at every sample of a log; progress(done, total) counts predictions.
+    """Runs every model, of whatever kind, at every sample of a log; progress(done, total) counts predictions. config:
+    of models of path primitives.
 
     A log without samples (no scans, no odometry, no common clock, standing still) gives one with an `outcome`.
     ValueError for a laser that lies outside the local window.
@@ -239,13 +231,13 @@ def _no_samples() -> PathSamples:
 def _along_log(
     log: DriveLog,
     samples: PathSamples,
-    model: DriveAssistantModel,
+    model: Model,
     config: PathPredictionConfig | None,
     meaning: StickMeaning,
     tell: _Counter,
 ) -> ModelPaths:
     driven = with_stick(log, model, meaning)
-    sticks, predictor = driven.joystick_at(driven.scan_stamp), PathPredictor(model, config)
+    sticks, predictor = driven.joystick_at(driven.scan_stamp), path_predictor(model, config)
     paths, missing = path_error.straight(samples.velocity), np.zeros(len(samples), bool)
     for k, i in enumerate(samples.scan):
         path = predictor.predict(sticks[i], driven.scan(int(i)), driven.T_base_laser)
@@ -253,20 +245,37 @@ def _along_log(
         if path is not None:
             paths[k] = at_arc_lengths(path)
         tell()
-    compliant = compliant_points(driven, samples, paths, model) & ~missing[:, None]
+    compliant = None
+    if predictor.compliance is not None:
+        compliant = compliant_points(driven, samples, paths, predictor.compliance) & ~missing[:, None]
     told = driven.metadata.get("joystick", "as recorded")
     return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), told)
 
 
-def compliant_points(
-    log: DriveLog, samples: PathSamples, paths: Array, model: DriveAssistantModel
-) -> NDArray[np.bool_]:
+def path_predictor(
+    model: Model, config: PathPredictionConfig | None = None
+) -> PathPredictor | HeatmapPathPredictor | NaivePathPredictor:
+    """What predicts paths with a model of any kind; config: of models of path primitives."""
+    if isinstance(model, HeatmapModel):
+        return HeatmapPathPredictor(model)
+    return NaivePathPredictor(model) if isinstance(model, NaiveHeatmapModel) else PathPredictor(model, config)
+
+
+class Judge(Compliance, Protocol):
+    """Judges compliance with control points up to the look-ahead that it is defined for."""
+
+    @property
+    def look_ahead(self) -> float:
+        """[m]"""
+
+
+def compliant_points(log: DriveLog, samples: PathSamples, paths: Array, judge: Judge) -> NDArray[np.bool_]:
     """Which points of the paths (N, A, 2) predicted at the samples agree with an input from then on -> (N, A); see the
     module. The inputs are those at the log's scans."""
     compliant = np.zeros(paths.shape[:2], bool)
     if not len(samples):
         return compliant
-    look_ahead = model.compliance.config.look_ahead
+    look_ahead = judge.look_ahead
     poses, sticks = log.pose_at(log.scan_stamp), log.joystick_at(log.scan_stamp)
     way = _way(log)
     inputs = np.flatnonzero(np.hypot(*sticks.T) > 0)
@@ -279,7 +288,7 @@ def compliant_points(
         near = (distance <= look_ahead) & (distance > 1e-6)
         if near.any():
             agrees = np.zeros(len(seen), bool)
-            agrees[near] = model.compliance.compliances(seen[near], sticks[i]) >= COMPLIANT_FROM
+            agrees[near] = judge.compliances(seen[near], sticks[i]) >= COMPLIANT_FROM
             compliant[open_] |= agrees.reshape(len(open_), -1)
     return compliant
 
@@ -301,22 +310,49 @@ def _deviations(paths: Array, driven: Array) -> Array:
 
 
 def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
-    """n, mean, median, 95 % interval and paired difference to the better baseline, at 1, 2 and 2.5 m."""
-    samples, predicted = prediction.samples, prediction.predicted()
-    if not len(samples):
+    """n, mean, median, 95 % interval, paired difference and ratio to the better baseline, at 1, 2 and 2.5 m."""
+    return pooled_rows([prediction], seed)
+
+
+def pooled_rows(predictions: Sequence[LogPrediction], seed: int = 1) -> list[ErrorRow]:
+    """error_rows of the samples of several logs together, all by the same models. ValueError if they are not."""
+    judged = [p for p in predictions if len(p.samples)]
+    if not judged:
         return []
-    blocks = np.floor_divide(_way(prediction.log)[samples.scan], BLOCK).astype(int)
+    predicted = [p.predicted() for p in judged]
+    if any(one.keys() != predicted[0].keys() for one in predicted):
+        raise ValueError(f"logs were predicted by different models: {[list(p.models) for p in judged]}")
+    paths = {name: np.concatenate([one[name] for one in predicted]) for name in predicted[0]}
+    driven, blocks = np.concatenate([p.samples.driven for p in judged]), _blocks(judged)
+    return [row for reach in REACHES for row in _rows(paths, driven, blocks, reach, seed)]
+
+
+def _blocks(predictions: Sequence[LogPrediction]) -> NDArray[np.int_]:
+    """(N,) which 5 m of way, of which log, each sample belongs to"""
+    found: list[NDArray[np.int_]] = []
+    first = 0
+    for p in predictions:
+        found.append(first + np.floor_divide(_way(p.log)[p.samples.scan], BLOCK).astype(int))
+        first = int(found[-1].max()) + 1
+    return np.concatenate(found)
+
+
+def _rows(
+    predicted: Mapping[str, Array], driven: Array, blocks: NDArray[np.int_], reach: float, seed: int
+) -> list[ErrorRow]:
+    errors = {name: path_errors(paths, driven, reach) for name, paths in predicted.items()}
+    best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
+    columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
+    low, high = block_bootstrap(columns, blocks, seed)
+    share = columns[:, : len(errors)].mean(axis=0) / errors[best].mean()
+    share_low, share_high = block_bootstrap_ratio(columns[:, : len(errors)], errors[best], blocks, seed)
     rows = []
-    for reach in REACHES:
-        errors = {name: path_errors(paths, samples.driven, reach) for name, paths in predicted.items()}
-        best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
-        columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
-        low, high = block_bootstrap(columns, blocks, seed)
-        for k, (name, e) in enumerate(errors.items()):
-            d = k + len(errors)
-            own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
-            paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
-            rows.append(ErrorRow(name, reach, len(e), *own, *paired, best))
+    for k, (name, e) in enumerate(errors.items()):
+        d = k + len(errors)
+        own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
+        paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
+        ratio = (float(share[k]), float(share_low[k]), float(share_high[k]))
+        rows.append(ErrorRow(name, reach, len(e), *own, *paired, *ratio, best))
     return rows
 
 
@@ -325,7 +361,7 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
     about = {
         name: {
             "missing": float(paths.missing.mean()) if len(paths.missing) else None,
-            "compliant": float(paths.compliant.mean()) if len(paths.missing) else None,
+            "compliant": paths.compliant_share,
             "rmse_compliant": paths.rmse,
             "stick": paths.stick,
         }
@@ -337,22 +373,36 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
 
 def prediction_cells(prediction: LogPrediction, seed: int = 1) -> list[tuple[str, ...]]:
     """The header and a row a method and reach, as text."""
-    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %")
-    return [header, *(tuple(_cells(row)) for row in error_rows(prediction, seed))]
+    return _table(error_rows(prediction, seed))
 
 
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:
     """The same for people: a table, and a line a model."""
     if prediction.outcome:
         return f"{prediction.log.name}: {prediction.outcome}\n"
-    rows = prediction_cells(prediction, seed)
+    lines = [f"{prediction.log.name}: path error", *_aligned(prediction_cells(prediction, seed))]
+    lines += [_about(name, paths) for name, paths in prediction.models.items()]
+    return "\n".join(lines) + "\n"
+
+
+def pooled_text(predictions: Sequence[LogPrediction], seed: int = 1) -> str:
+    """For people: one table of all logs together."""
+    judged = [p.log.name for p in predictions if not p.outcome]
+    return "\n".join([f"{', '.join(judged)} together: path error", *_aligned(_table(pooled_rows(predictions, seed)))])
+
+
+def _table(rows: Sequence[ErrorRow]) -> list[tuple[str, ...]]:
+    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %", "ratio", "95 %")
+    return [header, *(tuple(_cells(row)) for row in rows)]
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
     widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
-    lines = [f"{prediction.log.name}: path error"]
+    lines = []
     for first, *others in rows:
         cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
         lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
-    lines += [_about(name, paths) for name, paths in prediction.models.items()]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _cells(row: ErrorRow) -> tuple[str, ...]:
@@ -369,12 +419,17 @@ def _cells(row: ErrorRow) -> tuple[str, ...]:
         f"{row.median:.3f}",
         "is it" if baseline else f"{row.difference:+.3f}",
         "" if baseline else interval(row.difference_low, row.difference_high),
+        f"{row.ratio:.3f}",
+        "" if baseline else interval(row.ratio_low, row.ratio_high),
     )
 
 
 def _about(name: str, paths: ModelPaths) -> str:
+    share = paths.compliant_share
+    judged = "compliance unknown to this model"
+    if share is not None:
+        judged = f"{100 * share:.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m"
     return (
-        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); "
-        f"{100 * paths.compliant.mean():.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m; "
+        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
         f"stick {paths.stick}"
     )

@@ -17,7 +17,7 @@ from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.path_error import REACH
 from lfdcore.study.plots import BODY, DISCARDED, FOLLOWED, draw_footprints, draw_grid, every, styled
-from lfdcore.study.prediction import LogPrediction
+from lfdcore.study.prediction import LogPrediction, ModelPaths
 
 Array = NDArray[np.float64]
 
@@ -26,6 +26,7 @@ _SPACING = 0.25  # [m] or 10 degrees between two scans that are drawn
 _LEAST = 2  # scans that must agree
 _SIDE = 4000  # cells at most
 _DRIVEN = "#2563c9"
+_UNJUDGED = "#7b4fa3"
 _MARGIN = 1.5  # [m] around the way and what was near it
 
 
@@ -83,7 +84,8 @@ def _extent(points: Array) -> tuple[Array, Array]:
 
 
 def draw_prediction(axes: Axes, prediction: LogPrediction, model: str, footprint: Footprint, spacing: float) -> None:
-    """Map, footprints, way, and the paths predicted every `spacing` [m] of it: green where compliant, else orange."""
+    """Map, footprints, way, and the paths predicted every `spacing` [m] of it: green where compliant, else orange;
+    violet for a model that knows no compliance."""
     log, paths = prediction.log, prediction.models[model]
     draw_grid(axes, scan_map(log))
     driven = log.pose[(log.odometry_stamp >= log.scan_stamp[0]) & (log.odometry_stamp <= log.scan_stamp[-1])]
@@ -91,11 +93,14 @@ def draw_prediction(axes: Axes, prediction: LogPrediction, model: str, footprint
     axes.plot(*driven[:, :2].T, color=_DRIVEN, lw=1.1, zorder=3)
     shown = _shown(prediction, spacing)
     poses = log.pose_at(log.scan_stamp[prediction.samples.scan[shown]])
-    for good, colour, layer in ((False, DISCARDED, 4), (True, FOLLOWED, 5)):
+    judged = [(np.ones(paths.deviation.shape, bool), _UNJUDGED)]
+    if paths.compliant is not None:
+        judged = [(~paths.compliant, DISCARDED), (paths.compliant, FOLLOWED)]
+    for layer, (wanted, colour) in enumerate(judged, 4):
         pieces = []
         for k, pose in zip(shown, poses, strict=True):
             if not paths.missing[k]:
-                pieces += _runs(Pose2(*pose).transform(paths.paths[k]), paths.compliant[k] == good)
+                pieces += _runs(Pose2(*pose).transform(paths.paths[k]), wanted[k])
         axes.add_collection(LineCollection(pieces, colors=colour, linewidths=0.9, alpha=0.8, zorder=layer))
 
 
@@ -133,14 +138,19 @@ def prediction_figure(
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
         found = prediction.models[name]
-        axes.set_title(
-            f"{prediction.log.name}, {name}\n{100 * found.compliant.mean():.0f} % of path points compliant, "
-            f"RMSE of these {found.rmse:.2f} m (n = {len(found.paths)} paths)",
-        )
+        axes.set_title(f"{prediction.log.name}, {name}\n{_judgement(found)} (n = {len(found.paths)} paths)")
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
-    figure.legend(handles=_legend(spacing), loc="outside lower center", ncols=2 * columns, frameon=False)
+    unjudged = any(p.models[name].compliant is None for p, name in panels)
+    figure.legend(handles=_legend(spacing, unjudged), loc="outside lower center", ncols=2 * columns, frameon=False)
     return figure
+
+
+def _judgement(found: ModelPaths) -> str:
+    share = found.compliant_share
+    if share is None:
+        return "compliance unknown to this model"
+    return f"{100 * share:.0f} % of path points compliant, RMSE of these {found.rmse:.2f} m"
 
 
 def _shown_window(prediction: LogPrediction) -> tuple[Array, Array]:
@@ -154,10 +164,12 @@ def _aspect(prediction: LogPrediction) -> float:
     return float((high - low)[1] / (high - low)[0])
 
 
-def _legend(spacing: float) -> list[Line2D]:
+def _legend(spacing: float, unjudged: bool) -> list[Line2D]:
+    violet = [Line2D([], [], color=_UNJUDGED, label="no compliance known")] if unjudged else []
     return [
         Line2D([], [], color=_DRIVEN, label="way driven (odometry)"),
         Line2D([], [], color=BODY, label="footprint, every 1 m"),
         Line2D([], [], color=FOLLOWED, label=f"predicted every {spacing:g} m: compliant"),
         Line2D([], [], color=DISCARDED, label="not compliant with any later input"),
+        *violet,
     ]

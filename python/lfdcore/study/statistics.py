@@ -120,17 +120,36 @@ def block_bootstrap(values: Array, blocks: NDArray[np.int_], seed: int, draws: i
     Whole blocks are drawn with replacement: blocks (n,) says which block a value belongs to. NaN for fewer than 2
     blocks. The same seed gives the same interval (blocks do not overlap: Carlstein 1986).
     """
+    return _interval(*_drawn(values, blocks, seed, draws))
+
+
+def block_bootstrap_ratio(
+    values: Array, base: Array, blocks: NDArray[np.int_], seed: int, draws: int = 4000
+) -> tuple[Array, Array]:
+    """The same of the ratios of the means of values (n, k) to the mean of base (n,) > 0, paired."""
+    both, _ = _drawn(np.column_stack([values, base]), blocks, seed, draws)
+    return _interval(both[:, :-1], both[:, -1])
+
+
+def _drawn(values: Array, blocks: NDArray[np.int_], seed: int, draws: int) -> tuple[Array, Array]:
+    """Sums (draws, k) and sizes (draws,) of values in drawn blocks; no draws for fewer than 2 blocks."""
     x = np.asarray(values, float)
     if x.ndim != 2 or np.shape(blocks) != (len(x),):
         raise ValueError(f"values and blocks have shapes {x.shape} and {np.shape(blocks)}, must be (n, k) and (n,)")
     _, member = np.unique(blocks, return_inverse=True)
     count = int(member.max(initial=-1)) + 1
     if count < 2:
-        return np.full(x.shape[1], np.nan), np.full(x.shape[1], np.nan)
+        return np.zeros((0, x.shape[1])), np.zeros(0)
     sums, sizes = np.zeros((count, x.shape[1])), np.bincount(member).astype(float)
     np.add.at(sums, member, x)
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), size=draws)
-    low, high = np.percentile((drawn @ sums) / (drawn @ sizes)[:, None], [2.5, 97.5], axis=0)
+    return drawn @ sums, drawn @ sizes
+
+
+def _interval(sums: Array, by: Array) -> tuple[Array, Array]:
+    if not len(by):
+        return np.full(sums.shape[1], np.nan), np.full(sums.shape[1], np.nan)
+    low, high = np.percentile(sums / by[:, None], [2.5, 97.5], axis=0)
     return low, high
 
 

@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.datasets.safe_joystick import joystick_pairs
+from lfdcore.datasets.followed_joystick import followed_pairs
+from lfdcore.datasets.motion import full_deflection
+from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
+from lfdcore.geometry import arc_length
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_joystick_model
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.joystick_model import JoystickModel, JoystickModelConfig
@@ -19,6 +23,7 @@ from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""
+_MOST_OWN = 20_000  # pairs, of 30 kB each, but for those that turns on the spot add
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +40,21 @@ class HeatmapLearningConfig:
         """A zero prior and the bins' own variances as noise (Sec. 4.4.2)."""
         return HeatmapLearningConfig(joystick=JoystickModelConfig(prior="zero", noise="of_samples"))
 
+    def for_logs(self, logs: Sequence[DriveLog]) -> HeatmapLearningConfig:
+        """Unchanged where every log names a place (see heatmap_targets). Else there is but one way a scan: targets are
+        the driver's own ways from scans .05 m apart (farther on more than 1 km of way, so that memory is bounded), and
+        the network, that sees each of them in nearly the same scans again and again, learns for 12 epochs with weights
+        kept small (found by blocks inside freiburg-079's first 70 %, see docs/real-logs.md)."""
+        if all("place" in log.metadata for log in logs):
+            return self
+        targets = replace(self.targets, paths="own", spacing=_own_spacing(logs))
+        return replace(self, targets=targets, network=replace(self.network, epochs=12, weight_decay=1e-2))
+
+
+def _own_spacing(logs: Sequence[DriveLog]) -> float:
+    way = sum(float(arc_length(log.pose[:, :2])[-1]) for log in logs if len(log.pose))
+    return float(np.clip(way / _MOST_OWN, 0.05, WINDOW))
+
 
 @dataclass(frozen=True)
 class LearnedHeatmaps:
@@ -50,21 +70,28 @@ def learn_heatmaps(
     progress: Progress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
 ) -> LearnedHeatmaps:
-    """From demonstrations with a joystick and commands (Sec. 4.2-4.4). ValueError as heatmap_pairs, joystick_pairs and
+    """From demonstrations with a joystick (Sec. 4.2-4.4). ValueError as heatmap_pairs, learn_joystick and
     train_heatmap_net."""
     config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
-    joystick = learn_joystick(logs, config)
     pairs = heatmap_pairs(logs, config.targets, lambda done, total: tell("targets", done, total))
+    joystick = learn_joystick(logs, config)
     network = train_heatmap_net(pairs, config.network, lambda done, total: tell("network", done, total), on_epoch)
     metadata = _metadata(logs, len(pairs), network)
     return LearnedHeatmaps(HeatmapModel(SensorHeatmap(network.onnx), joystick, metadata), network)
 
 
 def learn_joystick(logs: Sequence[DriveLog], config: HeatmapLearningConfig) -> JoystickModel:
-    """What drivers mean by the stick: raw against safe (Sec. 4.4.2)."""
-    found = [joystick_pairs(log) for log in logs]
+    """What drivers mean by the stick: raw against safe (Sec. 4.4.2) or, where a log has no commands or does not note
+    what full stick meant, against followed. ValueError for a log without joystick, or if no log has a pair."""
+    found = [_pairs(log) for log in logs]
     raw, safe = (np.concatenate([getattr(pairs, name) for pairs in found]) for name in ("raw", "safe"))
     return fit_joystick_model(raw, safe, config.joystick, config.hyper_parameters)
+
+
+def _pairs(log: DriveLog) -> JoystickPairs:
+    if len(log.command_stamp) and notes_limits(log):
+        return joystick_pairs(log)
+    return followed_pairs(log, full_deflection(log))
 
 
 def learn_naive_heatmap(
@@ -82,8 +109,10 @@ def learn_naive_heatmap(
 
 
 def _metadata(logs: Sequence[DriveLog], pairs: int, network: TrainedHeatmapNet) -> dict[str, Any]:
+    """full_deflection: what the stick asked for when pushed fully, [m/s, rad/s] a log."""
     return {
         "logs": [log.name for log in logs],
+        "full_deflection": [[*full_deflection(log)] for log in logs],
         "pairs": pairs,
         "validation_loss": network.best.validation,
         "epochs": len(network.curve),

@@ -95,6 +95,11 @@ class ComplianceModel:
         network = RbfNetworkConfig(sigma=config.sigma, threshold=config.threshold, max_centres=config.max_centres)
         return cls(RbfNetworkBank.fit(_unit(sticks[path]), keys, network), config)
 
+    @property
+    def look_ahead(self) -> float:
+        """[m] that it is defined for"""
+        return self.config.look_ahead
+
     def compliance(self, control_point: Floats, joystick: Floats) -> float:
         """How likely a control point (2,) [m] in base_link is what a stick (2,) (forward, left) wants, in [0, 1].
 

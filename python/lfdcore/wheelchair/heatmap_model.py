@@ -38,7 +38,7 @@ class HeatmapModel:
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
         bins = self.joystick.bins
-        return {**self.metadata, "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
+        return {**_told(self.metadata), "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
@@ -72,7 +72,7 @@ class NaiveHeatmapModel:
 
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
-        return {**self.metadata, "bytes": self.nbytes}
+        return {**_told(self.metadata), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
@@ -85,6 +85,11 @@ class NaiveHeatmapModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
         header, tensors = _read(path, NAIVE)
         return cls(NaiveHeatmap(_network(path, tensors)), _part(path, header, "metadata"))
+
+
+def _told(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Without the pair of speeds a log: too long where many taught."""
+    return {name: value for name, value in metadata.items() if name != "full_deflection"}
 
 
 def _header(metadata: dict[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from lfdcore.wheelchair.window import CELLS, RESOLUTION
 if TYPE_CHECKING:
     from lfdcore.geometry import Pose2
     from lfdcore.grid import LaserScan
+    from lfdcore.wheelchair.compliance import ComplianceModel
     from lfdcore.wheelchair.model_file import DriveAssistantModel
 
 Floats = NDArray[np.float64]
@@ -62,6 +63,11 @@ class PathPredictor:
         cells = np.floor((scaled + WINDOW) / RESOLUTION).clip(0, CELLS - 1).astype(np.intp)
         self._cells = cells[..., 1] * CELLS + cells[..., 0]
         self._paths = np.array([along(path, self.config.reach, self.config.points) for path in scaled])
+
+    @property
+    def compliance(self) -> ComplianceModel:
+        """Who judges compliance: the model's own."""
+        return self.model.compliance
 
     def predict(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats | None:
         """(points, 2) [m] in base_link from the origin, equally spaced up to `reach`; None where nothing is likely

@@ -62,8 +62,9 @@ def test_a_table_a_log_with_baselines_and_model(model, logs, monkeypatch, capsys
     assert code == 0
     assert "drive3: path error" in out
     assert "drive0: path error" in out
-    assert out.count("corner  ") == 6
-    assert out.count("constant arc  ") == 6
+    assert "drive3, drive0 together: path error" in out
+    assert out.count("corner  ") == 9
+    assert out.count("constant arc  ") == 9
     assert "seed 1" in out
     assert "drive3" in err  # the progress bar
 

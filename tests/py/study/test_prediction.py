@@ -20,12 +20,13 @@ from lfdcore.study.prediction import (
     error_rows,
     full_deflection,
     learn_from_logs,
+    pooled_rows,
     predict_log,
     predict_real_logs,
     with_stick,
 )
 from lfdcore.study.prediction_picture import prediction_figure, scan_map
-from lfdcore.study.statistics import block_bootstrap
+from lfdcore.study.statistics import block_bootstrap, block_bootstrap_ratio
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import L_WALLS, corner_drive, scans_at
@@ -69,6 +70,29 @@ def test_in_the_corner_the_model_beats_straight_on_with_any_number_of_beams(mode
     assert row(found, "ours", 2.5).mean < 0.75 * row(found, STRAIGHT, 2.5).mean
 
 
+def test_several_logs_together_weigh_by_their_samples_and_the_ratio_is_to_the_better_baseline(model, prediction):
+    other = predict_log(corner_log(-0.1, 0.6, stick=False), {"ours": model})
+    still = dataclasses.replace(other, samples=dataclasses.replace(other.samples, scan=other.samples.scan[:0]))
+    alone = [{(r.predictor, r.reach): r for r in error_rows(p)} for p in (prediction, other)]
+    together = pooled_rows([prediction, other, still])
+    assert together == pooled_rows([prediction, other])
+    for r in together:
+        one, two = (found[r.predictor, r.reach] for found in alone)
+        assert r.n == one.n + two.n
+        assert r.mean == pytest.approx((one.n * one.mean + two.n * two.mean) / r.n)
+        best = next(b for b in together if (b.predictor, b.reach) == (r.baseline, r.reach))
+        assert r.ratio == pytest.approx(r.mean / best.mean)
+        assert r.ratio_low - 1e-9 <= r.ratio <= r.ratio_high + 1e-9
+    assert pooled_rows([prediction]) == error_rows(prediction)
+    assert pooled_rows([still]) == []
+
+
+def test_logs_by_different_models_are_not_judged_together(prediction) -> None:
+    other = dataclasses.replace(prediction, models={"theirs": prediction.models["ours"]})
+    with pytest.raises(ValueError, match="different models"):
+        pooled_rows([prediction, other])
+
+
 def test_the_interval_holds_the_mean_and_the_difference_is_paired(prediction) -> None:
     rows = error_rows(prediction, seed=3)
     assert len(rows) == 9
@@ -82,8 +106,8 @@ def test_the_interval_holds_the_mean_and_the_difference_is_paired(prediction) ->
 def test_of_a_path_as_driven_all_that_the_stick_still_tells_of_is_compliant(model) -> None:
     log = with_stick(corner_log(0.0, stick=False), model)
     samples = predict_log(log, {}).samples
-    compliant = compliant_points(log, samples, samples.driven, model)
-    mirrored = compliant_points(log, samples, samples.driven * [-1, 1], model)
+    compliant = compliant_points(log, samples, samples.driven, model.compliance)
+    mirrored = compliant_points(log, samples, samples.driven * [-1, 1], model.compliance)
     assert compliant[:, ARC <= 2.0].mean() > 0.9
     assert mirrored.mean() == 0.0
 
@@ -92,7 +116,7 @@ def test_compliance_is_that_of_any_later_input_as_a_slow_loop_finds_it(model) ->
     log = with_stick(corner_log(0.0, stick=False), model)
     samples = predict_log(log, {}).samples
     bent = samples.driven + np.stack([0 * ARC, 0.3 * ARC], 1)
-    found, poses = compliant_points(log, samples, bent, model), log.pose_at(log.scan_stamp)
+    found, poses = compliant_points(log, samples, bent, model.compliance), log.pose_at(log.scan_stamp)
     way = np.r_[0, np.cumsum(np.hypot(*np.diff(log.pose[:, :2], axis=0).T))]
     for k in range(0, len(samples), 23):
         start = samples.scan[k]
@@ -194,6 +218,22 @@ def test_the_bootstrap_is_wider_where_neighbours_agree_and_covers_the_truth() ->
     assert np.isnan(block_bootstrap(np.ones((4, 2)), np.zeros(4, int), 0)).all()
     with pytest.raises(ValueError, match="shapes"):
         block_bootstrap(np.ones(4), np.zeros(4, int), 0)
+
+
+def test_the_ratio_s_interval_is_that_of_ratios_of_whole_blocks_drawn_one_by_one() -> None:
+    random = np.random.default_rng(4)
+    blocks = random.integers(0, 12, 90)
+    base = random.uniform(1, 2, 90)
+    values = np.column_stack([0.5 * base, base * random.uniform(0.2, 1.4, 90)])
+    low, high = block_bootstrap_ratio(values, base, blocks, seed=1)
+    assert low[0] == pytest.approx(0.5)
+    assert high[0] == pytest.approx(0.5)
+    there, ratios = np.unique(blocks), []
+    for _ in range(2000):
+        drawn = np.concatenate([np.flatnonzero(blocks == b) for b in random.choice(there, len(there))])
+        ratios.append(values[drawn, 1].mean() / base[drawn].mean())
+    assert [low[1], high[1]] == pytest.approx(np.percentile(ratios, [2.5, 97.5]), abs=0.02)
+    assert np.isnan(block_bootstrap_ratio(values, base, np.zeros(90, int), 0)).all()
 
 
 SENA = "sena-wheelchair-one-loop.rawlog"

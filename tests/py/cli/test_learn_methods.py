@@ -1,0 +1,190 @@
+"""lfdcore learn drive --method and predict, info with models of every kind, as a user calls them."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lfdcore.cli import main as command_line
+from lfdcore.datasets import DriveLog
+from lfdcore.study.driving import models_by_method
+from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.models import load_model
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
+from heatmap_drives import corridor_log
+from synthetic_drive import corner_drive
+
+
+def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
+    """-> exit code, standard output, standard error"""
+    monkeypatch.setattr(sys, "argv", ["lfdcore", *map(str, words)])
+    monkeypatch.setenv("COLUMNS", "200")
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as end:
+        command_line.main()
+        raise SystemExit(0)
+    out, err = capsys.readouterr()
+    return int(end.value.code or 0), out, err
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Two short drives of a place, and the way around a corner whose stick nobody recorded."""
+    folder = tmp_path_factory.mktemp("methods")
+    for number, offset in enumerate((-0.2, 0.2)):
+        log = corridor_log([(2.0, 1.0, 0.4), (2.0, 1.0, -0.4)], (0.0, offset, 0.0), name=f"seen{number}", place="L")
+        log.save(folder / f"seen{number}.mcap")
+    drive = corner_drive(0.0)
+    DriveLog(
+        scan_stamp=drive.scan_stamp,
+        ranges=drive.ranges,
+        odometry_stamp=drive.odometry_stamp,
+        pose=drive.pose,
+        twist=np.zeros((len(drive.pose), 2)),
+        T_base_laser=drive.T_base_laser,
+        name="corner",
+    ).save(folder / "corner.mcap")
+    return folder
+
+
+@pytest.fixture
+def learned(folder, monkeypatch, capsys) -> dict[str, Path]:
+    """A model of each kind from the corner (the place's logs for the primitives' are too short), once a module"""
+    paths = {kind: folder / f"{kind}.safetensors" for kind in ("primitives", "naive", "heatmaps")}
+    for kind, path in paths.items():
+        if not path.exists():
+            source = [folder / "corner.mcap", "--share", "1" if kind == "primitives" else ".35"]
+            code, out, err = run(monkeypatch, capsys, "learn", "drive", *source, "--method", kind, "-o", path)
+            assert code == 0, err
+            (folder / f"{kind}.txt").write_text(out + err)
+    return paths
+
+
+def test_learning_shows_bars_and_learning_curves(learned, folder) -> None:
+    for kind in ("naive", "heatmaps"):
+        told = (folder / f"{kind}.txt").read_text()
+        assert "targets" in told
+        assert "network" in told
+        assert "epoch" in told
+        assert told.count("kept") == 1
+    assert "epoch" not in (folder / "primitives.txt").read_text()
+
+
+def test_logs_of_a_place_share_their_paths_and_others_learn_their_own_ways(learned, folder, monkeypatch, capsys):
+    place = folder / "place.safetensors"
+    logs = [folder / "seen0.mcap", folder / "seen1.mcap"]
+    code, out, err = run(monkeypatch, capsys, "learn", "drive", *logs, "--method", "heatmaps", "-o", place, "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert [epoch["epoch"] for epoch in found["curve"]] == list(range(1, len(found["curve"]) + 1))
+    of_place, of_own = load_model(place), load_model(learned["heatmaps"])
+    assert isinstance(of_place, HeatmapModel)
+    assert of_place.sensor.metadata["config"]["epochs"] == 10
+    assert of_own.sensor.metadata["config"]["epochs"] == 12
+    assert of_place.metadata["pairs"] < 30  # 8 m, a scan every .5 m
+    assert of_own.metadata["pairs"] > 40  # one every .05 m
+
+
+def test_full_deflection_stands_in_every_model(learned) -> None:
+    for path in learned.values():
+        ((linear, angular),) = load_model(path).metadata["full_deflection"]
+        assert 0 < linear < 2
+        assert 0 < angular < 3
+
+
+def test_three_kinds_side_by_side_in_one_table_and_picture(learned, folder, monkeypatch, capsys) -> None:
+    picture, words = folder / "three.png", [*learned.values(), folder / "corner.mcap", "--to", ".4"]
+    code, out, err = run(monkeypatch, capsys, "predict", *words, "--picture", picture)
+    assert code == 0, err
+    for kind in learned:
+        assert out.count(f"\n{kind}  ") == 3
+    assert "naive: " in out
+    assert "compliance unknown to this model" in out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    code, out, _ = run(monkeypatch, capsys, "predict", *words, "--json")
+    about = json.loads(out)["logs"][0]["models"]
+    assert about["naive"]["compliant"] is None
+    assert about["naive"]["rmse_compliant"] is None
+    assert 0 < about["heatmaps"]["compliant"] <= 1
+
+
+def test_info_says_which_kind_a_model_is(learned, monkeypatch, capsys) -> None:
+    kinds = {"primitives": "drive assistant model", "heatmaps": "heatmaps model", "naive": "naive heatmap model"}
+    for name, path in learned.items():
+        code, out, _ = run(monkeypatch, capsys, "info", path, "--json")
+        assert code == 0
+        found = json.loads(out)
+        assert found["kind"] == kinds[name]
+        assert found["logs"] == ["corner"]
+
+
+def test_a_study_refuses_a_naive_model(learned) -> None:
+    assert isinstance(load_model(learned["naive"]), NaiveHeatmapModel)
+    with pytest.raises(ValueError, match="naive heatmap, which drives nothing"):
+        models_by_method([learned["naive"]])
+
+
+def rewritten(source: Path, target: Path, old: bytes, new: bytes) -> Path:
+    data = source.read_bytes()
+    assert data.count(old) >= 1
+    assert len(old) == len(new)
+    target.write_bytes(data.replace(old, new, 1))
+    return target
+
+
+@pytest.mark.parametrize("kind", ["heatmaps", "naive"])
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("cut", "cut.safetensors"),
+        ("version", "version 9"),
+        ("resolution", "resolution 0.06"),
+    ],
+)
+def test_a_model_cut_short_or_of_another_version_or_resolution_is_one_clear_line(
+    learned, folder, monkeypatch, capsys, kind, change, said
+) -> None:
+    source, target = learned[kind], folder / f"{change}.safetensors"
+    if change == "cut":
+        target.write_bytes(source.read_bytes()[: source.stat().st_size // 2])
+    else:
+        old, new = {
+            "version": (b'\\"version\\": 1', b'\\"version\\": 9'),
+            "resolution": (b'resolution\\": 0.05', b'resolution\\": 0.06'),
+        }[change]
+        rewritten(source, target, old, new)
+    for words in (("info", target), ("predict", target, folder / "corner.mcap")):
+        code, _, err = run(monkeypatch, capsys, *words)
+        assert code == 1
+        assert said in err
+        assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("--method", "forest"), 2, "forest"),
+        (("--method", "heatmaps", "--share", "0"), 1, "no scan"),
+        (("--method", "naive", "--share", "0"), 1, "no scan"),
+    ],
+)
+def test_what_cannot_be_learned_is_one_clear_line(folder, monkeypatch, capsys, words, code, said) -> None:
+    output = folder / "never.safetensors"
+    found, _, err = run(monkeypatch, capsys, "learn", "drive", folder / "corner.mcap", *words, "-o", output)
+    assert found == code
+    assert said in err
+    assert "Traceback" not in err
+    assert not output.exists()
+
+
+def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    for name in [n for n in sys.modules if n.startswith(("lfdcore.training.heatmap_net", "lfdcore.training.drive_"))]:
+        monkeypatch.delitem(sys.modules, name)
+    words = ("learn", "drive", folder / "corner.mcap", "--method", "heatmaps", "-o", folder / "never.safetensors")
+    code, _, err = run(monkeypatch, capsys, *words)
+    assert code == 1
+    assert "extra 'train'" in err
