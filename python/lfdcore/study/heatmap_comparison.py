@@ -1,11 +1,11 @@
 """The a-posteriori comparison of Sec. 4.6.2: what three methods foretell along unassisted drives (Alg. 4, Table 4.2).
 
 Primitives (Ch. 3), the naive network and heatmaps see the same scans, sticks and rolling map. Every .5 s of driving
-each plans as it would on the chair, up to its coarse path (no footprint check). The landscape after optimisation (values
-V(s) = max_a Q(s, a) after Q-learning, the Boltzmann mean of D.8 after DPP) is squashed alike for all methods: less its
-smallest value over the cells that may be entered, divided by its largest; cells that are not seen free, or nearer to an
-obstacle than the planner goes, are 0, and so is a whole frame without a path. Alg. 4 puts the frames together in the
-frame of the odometry.
+each plans as it would on the chair, up to its coarse path (no footprint check). The landscape after optimisation
+(values V(s) = max_a Q(s, a) after Q-learning, the Boltzmann mean of D.8 after DPP) is squashed alike for all methods:
+less its smallest value over the cells that may be entered, divided by its largest; cells that are not seen free, on the
+window's border, or nearer to an obstacle than the planner goes, are 0, and so is a whole frame without a path. Alg. 4
+puts the frames together in the frame of the odometry.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class ComparisonConfig:
-    """period [s] between frames; slowest [m/s]: nothing is asked of a chair that stands; map_duration [s] of the rolling
-    map. The planners are those of the assistants up to the coarse path; the drivers being able as the demonstrators,
-    the stick is taken to be no more doubtful than theirs (driver_sd 0, as printed)."""
+    """period [s] between frames; slowest [m/s]: nothing is asked of a chair that stands; map_duration [s] of the
+    rolling map. The planners are those of the assistants up to the coarse path; the drivers being able as the
+    demonstrators, the stick is taken to be no more doubtful than theirs (driver_sd 0, as printed)."""
 
     period: float = 0.5
     slowest: float = MOVING
@@ -138,8 +138,8 @@ class Method:
 
 
 def squashed_values(values: NDArray[np.floating], entered: Mask) -> Heatmap:
-    """Values (100, 100) of the cells that may be entered, from their smallest (0) to their largest (1); 0 elsewhere, and
-    everywhere if all are alike. ValueError if one of them is not finite."""
+    """Values (100, 100) of the cells that may be entered, from their smallest (0) to their largest (1); 0 elsewhere,
+    and everywhere if all are alike. ValueError if one of them is not finite."""
     result = np.zeros(values.shape, np.float32)
     inside = values[entered]
     if not np.isfinite(inside).all():
@@ -171,7 +171,7 @@ class MethodRun:
     rank: float
     """[%] mean share of the cells ever seen whose reward is lower (those equal count half)"""
     near: Floats
-    """(F,) [m] RMS deviation of the path's points up to the look-ahead (.8 m) from the way driven; NaN without a path"""
+    """(F,) [m] RMS deviation of the path's points from the way driven, up to the look-ahead (.8 m); NaN without one"""
     whole: Floats
     """(F,) [m] the same up to 2.5 m"""
     at_equal_length: Floats
@@ -184,11 +184,11 @@ class MethodRun:
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """One drive: its map (odometry's frame), which of its cells were seen occupied, the way and what methods made of it."""
+    """One drive: its map in the odometry's frame, the way, and what the methods made of it."""
 
     name: str
-    geometry: OccupancyGrid
-    """of the map; its data say what was seen: 0 free, 100 occupied, -1 nothing"""
+    grid: OccupancyGrid
+    """what was seen: 0 free, 100 occupied, -1 nothing"""
     driven: Floats
     """(N, 3) poses, STEP apart"""
     methods: Mapping[str, MethodRun]
@@ -289,9 +289,7 @@ class _Asked:
         self.seconds: list[float] = []
         self.without_path = 0
 
-    def ask(
-        self, now: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints, way: Floats, shared: float
-    ) -> None:
+    def ask(self, now: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints, way: Floats, shared: float) -> None:
         started = time.perf_counter()
         planned = self.method.planner.plan(now, grid, obstacles)
         self.seconds.append(shared + time.perf_counter() - started)
@@ -332,9 +330,9 @@ def way_ahead(log: DriveLog, stamp: float, reach: float = REACH + 0.5) -> Floats
 
 def path_deviations(path: Floats, way: Floats) -> tuple[float, float, float]:
     """RMS [m] of a planned path (M, 2) against the way driven (N, 2), both from base_link on: deviation of its points
-    from the way up to the look-ahead, up to 2.5 m, and the distance at equal arc length up to 2.5 m. Nothing is compared
-    beyond the length of either but for the last, which goes on straight beyond the path's end. NaN for a way shorter
-    than the look-ahead."""
+    from the way up to the look-ahead, up to 2.5 m, and the distance at equal arc length up to 2.5 m. Nothing is
+    compared beyond the length of either but for the last, which goes on straight beyond the path's end. NaN for a way
+    shorter than the look-ahead."""
     length = float(arc_length(way)[-1]) if len(way) > 1 else 0.0
     if length < LOOK_AHEAD:
         return (np.nan,) * 3

@@ -210,26 +210,28 @@ class Job:
         )
 
 
-Result = TypeVar("Result", covariant=True)
+Result_co = TypeVar("Result_co", covariant=True)
 
 
-class Runnable(Protocol[Result]):
+class Runnable(Protocol[Result_co]):
     """What can be sent to a process and be run there."""
 
-    def run(self) -> Result:
+    def run(self) -> Result_co:
         """-> what comes back"""
 
 
 def run_jobs(
-    jobs: Sequence[Runnable[Result]], progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> tuple[Result, ...]:
+    jobs: Sequence[Runnable[Result_co]],
+    progress: Callable[[int, int], None] | None = None,
+    processes: int | None = None,
+) -> tuple[Result_co, ...]:
     """Runs jobs over processes -> their results (a Job's trace) in the jobs' order, whatever the number of processes.
 
     progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
     count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
     if count == 1:
-        results: list[Result] = []
+        results: list[Result_co] = []
         for job in jobs:
             results.append(job.run())
             tell(len(results), len(jobs))
