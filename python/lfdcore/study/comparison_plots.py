@@ -121,8 +121,8 @@ def reliability_figure(check: CalibrationCheck) -> Figure:
     b.plot(rate, check.happened, "D", color="#2563c9", ms=6, zorder=4, label="constant rate")
     _reliability_axes(b, top)
     b.set_title("B  tenths of the cells by probability")
-    c.plot(np.maximum(check.calibration.heat, 1e-6), check.calibration.probability, color="#4a5058", lw=1.2)
-    c.set(xscale="log", xlim=(1e-6, 1), xlabel="heat", ylabel="probability", ylim=(0, None))
+    c.plot(np.maximum(check.calibration.heat, 1e-3), check.calibration.probability, color="#4a5058", lw=1.2)
+    c.set(xscale="log", xlim=(1e-3, 1), xlabel="heat", ylabel="probability", ylim=(0, None))
     c.set_title("C  the calibration")
     for axes in (a, b):
         axes.legend(frameon=False, loc="upper left")

@@ -65,15 +65,14 @@ class JudgedCells:
 
 
 def judged_cells(
-    logs: Sequence[DriveLog], model: HeatmapModel, config: HeatmapPlannerConfig | None = None, period: float = 0.5
+    logs: Sequence[DriveLog], model: HeatmapModel, config: HeatmapPlannerConfig | None = None, period: float = 1.0
 ) -> JudgedCells:
     """The free cells of a scan every `period` [s] of driving forward after which `REACH` of way follows. ValueError if
     no log holds such a scan."""
     heats, crossings, runs = [], [], []
     for run, log in enumerate(logs):
-        planner = HeatmapPlanner(
-            model, HeatmapPlannerConfig(driver_sd=0.0), ChairGeometry(T_base_laser=log.T_base_laser)
-        )
+        chair = ChairGeometry(T_base_laser=log.T_base_laser)
+        planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair)
         due = -np.inf
         for now in observations(log):
             if now.stamp < due or now.twist.linear < MOVING:

@@ -41,7 +41,7 @@ from lfdcore.wheelchair.assistants import Surroundings
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPath, HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.heatmap_targets import HeatmapPairs, heatmap_pairs
+from lfdcore.wheelchair.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 
 Array = NDArray[np.float64]
@@ -49,6 +49,7 @@ Array = NDArray[np.float64]
 STICKS = (("ahead", (0.8, 0.0)), ("ahead and left", (0.57, 0.57)), ("backwards and right", (-0.4, -0.4)))
 PATH = "#e6194b"
 _WHOLE = -WINDOW
+_SPACING = 2.0  # [m] of way between the scans that Fig. 4.6 is chosen from
 
 
 def _whole_window(axes: Axes, title: str) -> None:
@@ -262,7 +263,7 @@ def heatmap_figures(
 
 
 def _sensor_picture(model: HeatmapModel, demonstrations: Sequence[DriveLog]) -> Picture:
-    pairs = heatmap_pairs(demonstrations)
+    pairs = heatmap_pairs(demonstrations, HeatmapTargetConfig(spacing=_SPACING))
     names = [log.name for log in demonstrations]
     held_out = model.metadata.get("held_out", []) if model.metadata.get("logs") == names else []
     index = widest_pair(pairs, held_out)
