@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -46,8 +47,8 @@ def _draw_concatenated(axes: Axes, run: ComparedRun, method: str) -> None:
     x, y = grid.origin
     extent = (x, x + grid.width * grid.resolution, y, y + grid.height * grid.resolution)
     heat = np.where(grid.data == 0, run.methods[method].concatenated, np.nan)
-    image = axes.imshow(heat, origin="lower", extent=extent, cmap=LANDSCAPE, vmin=0, vmax=1, interpolation="nearest")
-    image.cmap.set_bad("white")
+    colours = colormaps[LANDSCAPE].with_extremes(bad="white")
+    axes.imshow(heat, origin="lower", extent=extent, cmap=colours, vmin=0, vmax=1, interpolation="nearest")
     shade = np.zeros((*grid.data.shape, 4))
     shade[grid.occupied_mask()] = _WALL
     axes.imshow(shade, origin="lower", extent=extent, interpolation="nearest")

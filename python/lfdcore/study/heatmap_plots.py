@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -212,8 +213,8 @@ def q_learning_figure(moment: HeatMoment) -> Figure:
     inner[[0, -1], :] = inner[:, [0, -1]] = False
     for axes, shown, title in ((b, planned.reward, "B  reward"), (c, values, "C  value and path")):
         inside = shown[inner]
-        image = draw_window(axes, np.where(inner, shown, np.nan), cmap=LANDSCAPE, vmin=0, vmax=float(inside.max()))
-        image.cmap.set_bad("#23262b")
+        colours = colormaps[LANDSCAPE].with_extremes(bad="#23262b")
+        draw_window(axes, np.where(inner, shown, np.nan), cmap=colours, vmin=0, vmax=float(inside.max()))
         draw_chair(axes, Footprint(), "none", "#ffffff")
         cover_cells(axes, moment.grid.occupied_mask(), 1.0)
         _whole_window(axes, title)

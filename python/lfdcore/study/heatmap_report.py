@@ -37,15 +37,16 @@ _ROWS = (
 )
 _TIMES = "0.5 s, 0.2 s, 0.2 s"
 _DEFINITIONS = (
-    "mean+-sd over runs (several of one driver are not independent), the mean's 95 % interval (Student's), below it the thesis's figure (its users, home and "
-    "chair). p: against heatmaps, paired over runs (exact Wilcoxon signed-rank), not corrected for their number. "
-    "Reward: mean at the positions driven, every .05 m, of the concatenated landscapes (Alg. 4), each squashed to "
-    "(0, 1): less its smallest value over cells that may be entered, divided by its largest, the same for all methods. "
-    "How fast values fall with the distance from a goal is set by the discount ({discounts}), so that rewards of "
-    "different optimisers hardly compare; the percentile rank among all cells seen does not depend on the scale of "
-    "the map. Path RMSE: root mean square of the distance from the planned path's points to the way then driven, "
-    "mean over a run's frames, for the first .8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not "
-    "define its own. At equal arc length: both compared up to 2.5 m, the path straight on beyond its end."
+    "mean+-sd over runs (several of one driver, not independent), the mean's 95 % interval (Student's), below it "
+    "the thesis's figure (its users, home and chair). p: against heatmaps, paired over runs (exact Wilcoxon "
+    "signed-rank), not corrected for their number. Reward: mean at the positions driven, every .05 m, of the "
+    "concatenated landscapes (Alg. 4), each squashed to (0, 1): less its smallest value over cells that may be "
+    "entered, divided by its largest, the same for all methods. How fast values fall with the distance from a "
+    "goal is set by the discount ({discounts}), so that rewards of different optimisers hardly compare; the "
+    "percentile rank among all cells seen does not depend on the scale of the map. Path RMSE: root mean square of "
+    "the distance from the planned path's points to the way then driven, mean over a run's frames, for the first "
+    ".8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not define its own. At equal arc length: "
+    "both compared up to 2.5 m, the path straight on beyond its end."
 )
 
 
@@ -147,9 +148,9 @@ def calibration_table(check: CalibrationCheck, seed: int) -> Table:
         f"Fitted on {check.fitted_runs} maze runs ({check.fitted_cells} cells) that the network was not trained on, "
         "though others in the same mazes were and the joystick's Gaussian processes saw them. Error of a run: "
         f"{each.mean:.4f}+-{each.sd:.4f}, 95 % interval [{each.low:.4f}, {each.high:.4f}]; to reach: 0.05. Likeliest "
-        "cells: those that hold half of all crossings. A cell is .05 m wide, so that a way known to .25 m on either side "
-        "crosses it with a probability of .1: no heatmap comes near 1. A constant rate is calibrated and knows nothing: of its Brier "
-        f"score calibrated heat takes off {100 * skill:.1f} %.",
+        "cells: those that hold half of all crossings. A cell is .05 m wide, so that a way known to .25 m on either "
+        "side crosses it with a probability of .1: no heatmap comes near 1. A constant rate is calibrated and knows "
+        f"nothing: of its Brier score calibrated heat takes off {100 * skill:.1f} %.",
     )
 
 
