@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,10 @@ from lfdcore.study.comparison_plots import (
     median_runs,
     reliability_figure,
 )
+from lfdcore.study.courses import home_20x19
 from lfdcore.study.heatmap_calibration import REACH, CalibrationCheck, check_calibration, judged_cells
-from lfdcore.study.heatmap_comparison import METHODS, Comparison
-from lfdcore.study.heatmap_demonstrations import RecordedDrives
+from lfdcore.study.heatmap_comparison import METHODS, Comparison, ModelFiles, compare_on_logs
+from lfdcore.study.heatmap_demonstrations import RecordedDrives, StageProgress, drive_to_destinations
 from lfdcore.study.heatmap_plots import heatmap_figures
 from lfdcore.study.report import Picture, Section
 from lfdcore.study.statistics import paired_test, summarise
@@ -188,6 +190,31 @@ def heatmap_section(
         caption = f"Learning curves of the networks, with augmentation (mirroring) only while training; {runs}."
         pictures.append(Picture(learning_curves_figure(curves), caption))
     return Section("From a scan and a stick to a path, by heatmaps", "", (), pictures)
+
+
+def a_posteriori_sections(
+    folder: Path,
+    files: ModelFiles,
+    demonstrations: Sequence[Path],
+    seed: int,
+    progress: StageProgress | None = None,
+    processes: int | None = None,
+) -> list[Section]:
+    """All of it: 30 drives to destinations, recorded in `folder`; their comparison; the stages; and the calibration,
+    if the model says which of its `demonstrations` (all its logs, in their order) were held out."""
+    tell = progress or (lambda stage, done, total: None)
+    drives = drive_to_destinations(folder, seed, processes=processes, progress=partial(tell, "drive to destinations"))
+    comparison = compare_on_logs(drives.paths, files, None, partial(tell, "compare"), processes)
+    models, logs = files.load(), [open_log(path) for path in drives.paths]
+    demonstrated = [open_log(path) for path in demonstrations]
+    sections = [
+        heatmap_section(models.heatmaps, demonstrated, logs[0], models.naive),
+        comparison_section(comparison, drives, home_20x19().grid, seed),
+    ]
+    if "held_out" in models.heatmaps.metadata:
+        held_out = held_out_logs(models.heatmaps, demonstrations)
+        sections.append(calibration_section(models.heatmaps, held_out, logs, seed))
+    return sections
 
 
 def held_out_logs(model: HeatmapModel, demonstrations: Sequence[Path]) -> list[DriveLog]:

@@ -80,7 +80,7 @@ def test_a_calibration_is_judged_on_other_runs_with_the_fitted_runs_rate() -> No
     assert check.judged.constant_rate == pytest.approx(cells(0.6, 1).crossed.mean())
     assert len(check.errors) == check.fitted_runs == 4 and check.fitted_cells == 20_000
     said, happened = check.tenths
-    assert (np.diff(said) >= 0).all() and np.abs(said - happened).max() < 0.02
+    assert (np.diff(said) >= 0).all() and np.abs(said - happened).max() < 0.05
 
 
 def test_the_calibration_s_caption_names_runs_cells_and_seed_and_what_it_was_fitted_on() -> None:
