@@ -8,6 +8,7 @@ for anybody; the error over the likeliest cells that hold half of all crossings 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,13 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Pose2, arc_length
+from lfdcore.grid import local_grid
+from lfdcore.study.metrics import MOVING
 from lfdcore.wheelchair.beams import WINDOW
+from lfdcore.wheelchair.heatmap_calibration import HeatmapCalibration
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.observation import ChairGeometry, observations
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 Floats = NDArray[np.float64]
@@ -45,6 +52,91 @@ def crossed_cells(log: DriveLog, scan: int, reach: float = REACH) -> Mask | None
     crossed = np.zeros((CELLS, CELLS), bool)
     crossed[cells[:, 1], cells[:, 0]] = True
     return crossed
+
+
+@dataclass(frozen=True)
+class JudgedCells:
+    """Cells that scans saw free: heat (N,) in [0, 1] of the product of sensor and user heatmap; crossed (N,): by the
+    way then driven; run (N,): of which log, by position."""
+
+    heat: NDArray[np.float32]
+    crossed: Mask
+    run: NDArray[np.int_]
+
+
+def judged_cells(
+    logs: Sequence[DriveLog], model: HeatmapModel, config: HeatmapPlannerConfig | None = None, period: float = 1.0
+) -> JudgedCells:
+    """The free cells of a scan every `period` [s] of driving forward after which `REACH` of way follows. ValueError if
+    no log holds such a scan."""
+    heats, crossings, runs = [], [], []
+    for run, log in enumerate(logs):
+        chair = ChairGeometry(T_base_laser=log.T_base_laser)
+        planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair)
+        due = -np.inf
+        for now in observations(log):
+            if now.stamp < due or now.twist.linear < MOVING:
+                continue
+            seen = local_grid(now.scan, log.T_base_laser)
+            crossed = crossed_cells(log, int(np.searchsorted(log.scan_stamp, now.stamp)))
+            heat = planner.heat(now, seen)
+            if crossed is None or heat is None:
+                continue
+            due = now.stamp + period - 1e-9
+            free = seen.data == 0
+            heats.append(heat.intent[free])
+            crossings.append(crossed[free])
+            runs.append(np.full(int(free.sum()), run))
+    if not heats:
+        raise ValueError(f"{len(logs)} logs hold no scan after which {REACH} m are driven by the joystick")
+    return JudgedCells(*(np.concatenate(parts) for parts in (heats, crossings, runs)))
+
+
+@dataclass(frozen=True)
+class CalibrationCheck:
+    """A calibration fitted on some runs, judged on others."""
+
+    calibration: HeatmapCalibration
+    judged: Reliability
+    """of all cells of all judged runs"""
+    raw: Reliability
+    """of heat itself, taken for a probability"""
+    errors: Floats
+    """(R,) expected calibration error of each judged run"""
+    tenths: tuple[Floats, Floats]
+    """mean probability and share crossed of ten parts of equally many cells, from the least likely on"""
+    happened: float
+    """share of judged cells that were crossed"""
+    fitted_runs: int
+    fitted_cells: int
+
+
+def check_calibration(fitted: JudgedCells, judged: JudgedCells) -> CalibrationCheck:
+    """Fits on `fitted` and judges on `judged`; the constant-rate predictor has the rate of `fitted`."""
+    calibration, rate = HeatmapCalibration.fit(fitted.heat, fitted.crossed), float(fitted.crossed.mean())
+    probability = calibration.probabilities(judged.heat)
+    each = [reliability(probability[own], judged.crossed[own]).error for own in _runs(judged)]
+    return CalibrationCheck(
+        calibration,
+        reliability(probability, judged.crossed, rate),
+        reliability(judged.heat, judged.crossed, rate),
+        np.array(each),
+        _parts(probability, judged.crossed),
+        float(judged.crossed.mean()),
+        len(np.unique(fitted.run)),
+        len(fitted.heat),
+    )
+
+
+def _parts(probability: NDArray[np.floating], crossed: Mask, count: int = 10) -> tuple[Floats, Floats]:
+    order = np.argsort(probability, kind="stable")
+    parts = np.array_split(order, min(count, len(order)))
+    said, happened = (np.array([np.mean(of[part]) for part in parts]) for of in (probability, crossed))
+    return said, happened
+
+
+def _runs(cells: JudgedCells) -> list[Mask]:
+    return [cells.run == run for run in np.unique(cells.run)]
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -210,20 +210,32 @@ class Job:
         )
 
 
+Result_co = TypeVar("Result_co", covariant=True)
+
+
+class Runnable(Protocol[Result_co]):
+    """What can be sent to a process and be run there."""
+
+    def run(self) -> Result_co:
+        """-> what comes back"""
+
+
 def run_jobs(
-    jobs: Sequence[Job], progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> tuple[DriveTrace, ...]:
-    """Runs jobs over processes -> their traces in the jobs' order; they do not depend on the number of processes.
+    jobs: Sequence[Runnable[Result_co]],
+    progress: Callable[[int, int], None] | None = None,
+    processes: int | None = None,
+) -> tuple[Result_co, ...]:
+    """Runs jobs over processes -> their results (a Job's trace) in the jobs' order, whatever the number of processes.
 
     progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
     count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
     if count == 1:
-        traces: list[DriveTrace] = []
+        results: list[Result_co] = []
         for job in jobs:
-            traces.append(job.run())
-            tell(len(traces), len(jobs))
-        return tuple(traces)
+            results.append(job.run())
+            tell(len(results), len(jobs))
+        return tuple(results)
     others = set(multiprocessing.active_children())
     deaf = (signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all: this process ends the others
     with ProcessPoolExecutor(count, initializer=signal.signal, initargs=deaf) as pool:

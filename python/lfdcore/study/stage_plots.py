@@ -14,7 +14,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize, to_hex
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
@@ -24,6 +23,17 @@ from lfdcore.planning import DppSolver, GreedyPath, GridMdp, RewardConfig, greed
 from lfdcore.study.moments import Moment, telling_moments
 from lfdcore.study.plots import BODY, CONTACT, FOLLOWED, PAGE, WALL, every, outlines, styled
 from lfdcore.study.report import Picture
+from lfdcore.study.window_plots import (
+    GOAL,
+    LANDSCAPE,
+    cover_cells,
+    draw_chair,
+    draw_dot,
+    draw_line,
+    draw_stick,
+    draw_window,
+    front_axes,
+)
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
 from lfdcore.wheelchair.compliance import ComplianceModel
@@ -34,8 +44,7 @@ from lfdcore.wheelchair.path_primitives import PathPrimitives, orientation_bin
 
 Array = NDArray[np.float64]
 
-BEAM, SCAN, STICK, GOAL, BORDER = "#2563c9", "#35b779", "#7b2cbf", "#f39c12", "#c2259f"
-LANDSCAPE = "viridis"
+BEAM, SCAN, BORDER = "#2563c9", "#35b779", "#c2259f"
 REASON_NAMES = {
     "window": "leaves the window",
     "hidden": "hidden behind its beam",
@@ -45,53 +54,6 @@ REASON_NAMES = {
     "rest": "comes to rest",
     "log": "the log ends",
 }
-_EDGE = WINDOW + 0.12
-_BACK = -0.6
-
-
-def _front_axes(axes: Axes, back: float = _BACK, reach: float = _EDGE, labels: bool = True) -> None:
-    """Front up; y grows to the left, as base_link has it."""
-    axes.set(xlim=(reach, -reach), ylim=(back, reach))
-    axes.set_aspect("equal")
-    axes.tick_params(length=2.5, width=0.6)
-    if labels:
-        axes.set_xlabel("y, left [m]")
-        axes.set_ylabel("x, ahead [m]")
-
-
-def _line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: Any) -> None:
-    axes.plot(points[:, 1], points[:, 0], color=colour, lw=width, **more)
-
-
-def _dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
-    axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
-
-
-def _chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
-    axes.add_patch(Polygon(footprint.corners()[:, ::-1], facecolor=face, edgecolor=edge, lw=1.0, zorder=4))
-
-
-def _stick(axes: Axes, joystick: Sequence[float] | Array, colour: str = STICK, length: float = 0.75) -> None:
-    """The joystick as an arrow from the axle."""
-    tip = (joystick[1] * length, joystick[0] * length)
-    arrow = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 12}
-    axes.annotate("", xy=tip, xytext=(0, 0), arrowprops=arrow, zorder=7)
-
-
-def _image(axes: Axes, values: NDArray[np.floating], **more: Any) -> AxesImage:
-    """A window of cells [iy, ix] behind everything else."""
-    extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
-    return axes.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", zorder=0, **more)
-
-
-def _cover(axes: Axes, mask: NDArray[np.bool_], grey: float) -> None:
-    """Paints the cells of a mask [iy, ix] in one shade of grey, 1 = white."""
-    shade = np.zeros((*mask.shape, 4))
-    shade[mask] = (grey, grey, grey, 1.0)
-    extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
-    axes.imshow(shade.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest", zorder=1)
-
-
 # ---- Fig. 3.7 ------------------------------------------------------------------------------------------------------
 
 
@@ -121,14 +83,14 @@ def _draw_local_path(axes: Axes, log: DriveLog, paths: LocalPaths, index: int, b
     end = np.array([laser.x, laser.y]) + paths.beam_range[index] * np.array([np.cos(angle), np.sin(angle)])
     axes.plot(hits[:, 1], hits[:, 0], ".", color="#8a9099", ms=3.0, mew=0, zorder=1)
     border = np.array([[0, -WINDOW], [WINDOW, -WINDOW], [WINDOW, WINDOW], [0, WINDOW], [0, -WINDOW]])
-    _line(axes, border, BORDER, 1.0, zorder=2)
-    _line(axes, _drive_around(log, paths.stamp[index]), "#111111", 1.0, zorder=3)
-    _chair(axes, Footprint(), "#d6282840", "#d62828")
-    _line(axes, np.array([[laser.x, laser.y], end]), BEAM, 1.1, zorder=5)
-    _dot(axes, end, "none", 8.0, mec=BEAM, mew=1.5)
-    _line(axes, paths.paths[index], GOAL, 2.4, zorder=5)
-    _dot(axes, goal, GOAL, 7.0, mec="black", mew=0.6)
-    _stick(axes, paths.joystick[index], FOLLOWED)
+    draw_line(axes, border, BORDER, 1.0, zorder=2)
+    draw_line(axes, _drive_around(log, paths.stamp[index]), "#111111", 1.0, zorder=3)
+    draw_chair(axes, Footprint(), "#d6282840", "#d62828")
+    draw_line(axes, np.array([[laser.x, laser.y], end]), BEAM, 1.1, zorder=5)
+    draw_dot(axes, end, "none", 8.0, mec=BEAM, mew=1.5)
+    draw_line(axes, paths.paths[index], GOAL, 2.4, zorder=5)
+    draw_dot(axes, goal, GOAL, 7.0, mec="black", mew=0.6)
+    draw_stick(axes, paths.joystick[index], FOLLOWED)
 
 
 @styled
@@ -139,7 +101,7 @@ def local_paths_figure(log: DriveLog, paths: LocalPaths) -> Figure:
     figure = Figure(figsize=(max(4.0, PAGE * len(chosen) / 4), 2.55), layout="compressed")
     for axes, index in zip(figure.subplots(1, len(chosen), sharey=True, squeeze=False)[0], chosen, strict=True):
         _draw_local_path(axes, log, paths, index, beams)
-        _front_axes(axes)
+        front_axes(axes)
         axes.label_outer()
         reason = str(paths.reason[index])
         axes.set_title(f"{REASON_NAMES.get(reason, reason)} (n {int((paths.reason == reason).sum())})")
@@ -162,7 +124,7 @@ def _draw_scan(axes: Axes, moment: Moment) -> None:
     axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.5, mew=0, zorder=2)
     known = moment.obstacles.points
     axes.plot(known[:, 1], known[:, 0], ".", color="#b9bec6", ms=2.5, mew=0, zorder=1.5)
-    _chair(axes, moment.chair.footprint, "#d62828c0", "#8c1515")
+    draw_chair(axes, moment.chair.footprint, "#d62828c0", "#8c1515")
 
 
 @styled
@@ -171,15 +133,15 @@ def intention_figure(moment: Moment) -> Figure:
     figure = Figure(figsize=(8.6, 3.5), layout="compressed")
     left, right = figure.subplots(1, 2)
     _draw_scan(left, moment)
-    _stick(left, moment.observation.joystick)
-    image = _image(right, 1e3 * moment.planned.intention, cmap=LANDSCAPE)
-    _cover(right, moment.grid.occupied_mask(), 1.0)
-    _chair(right, moment.chair.footprint, "#f39c1250", GOAL)
-    _stick(right, moment.observation.joystick, "#d9a6ff")
-    _dot(right, moment.planned.goal, "#ffffff", 7.0, mec="black")
+    draw_stick(left, moment.observation.joystick)
+    image = draw_window(right, 1e3 * moment.planned.intention, cmap=LANDSCAPE)
+    cover_cells(right, moment.grid.occupied_mask(), 1.0)
+    draw_chair(right, moment.chair.footprint, "#f39c1250", GOAL)
+    draw_stick(right, moment.observation.joystick, "#d9a6ff")
+    draw_dot(right, moment.planned.goal, "#ffffff", 7.0, mec="black")
     figure.colorbar(image, ax=right, shrink=0.75, label="likelihood of a cell [1/1000]")
     for axes, title in ((left, "A  scan"), (right, "B  intention")):
-        _front_axes(axes)
+        front_axes(axes)
         axes.set_title(title)
     return figure
 
@@ -212,12 +174,12 @@ def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPa
     shown = own[:: max(1, len(own) // 60)]
     width = 0.5 if len(own) > _FEW else 4.5  # few lie close to their mean: wide enough to be seen below it
     axes.add_collection(LineCollection([p[:, ::-1] for p in shown], colors="#aab0b8", linewidths=width))
-    _line(axes, primitives.shapes[which], colour, 2.0)
-    _dot(axes, primitives.ends[which], colour, 4.0)
+    draw_line(axes, primitives.shapes[which], colour, 2.0)
+    draw_dot(axes, primitives.ends[which], colour, 4.0)
     heading = np.degrees(bin_heading(int(primitives.bins[which])))
     title = f"{round(heading):+d}°".replace("+0", "0").replace("-", "−")
     axes.set_title(f"{title}, n {int(primitives.counts[which])}", fontsize=8, pad=3)
-    _front_axes(axes, labels=False)
+    front_axes(axes, labels=False)
     axes.set_xticks([2, 0, -2])
 
 
@@ -232,10 +194,10 @@ def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable
         goals = goal_ring(reach, 15)
         for goal, which in zip(goals, primitives.nearest(goals), strict=True):
             colour = _colour(colours, int(primitives.bins[which]))
-            _line(axes, primitives.scaled_to(goal), colour, 1.1 if reach < 2 else 1.5, zorder=2)
-            _dot(axes, goal, "#c9ced5", 5.0, mec="#6b7280", mew=0.6)
-    _chair(axes, Footprint(), "#d6282830", "#d62828")
-    _front_axes(axes)
+            draw_line(axes, primitives.scaled_to(goal), colour, 1.1 if reach < 2 else 1.5, zorder=2)
+            draw_dot(axes, goal, "#c9ced5", 5.0, mec="#6b7280", mew=0.6)
+    draw_chair(axes, Footprint(), "#d6282830", "#d62828")
+    front_axes(axes)
     axes.set_title("B  the nearest primitive scaled to goals (grey)")
 
 
@@ -294,8 +256,8 @@ def _draw_rollout(axes: Axes, moment: Moment) -> None:
         if np.isfinite(rollout.time_to_contact):
             touching = outlines(rollout.poses[-1:], moment.chair.footprint)[0][:, ::-1]
             axes.add_patch(Polygon(touching, facecolor="#c1121f30", edgecolor=CONTACT, lw=1.2, zorder=2))
-        _line(axes, rollout.poses, "#4a5058", 0.9, zorder=2)
-    _chair(axes, moment.chair.footprint, "#d6282840", "#d62828")
+        draw_line(axes, rollout.poses, "#4a5058", 0.9, zorder=2)
+    draw_chair(axes, moment.chair.footprint, "#d6282840", "#d62828")
 
 
 @styled
@@ -305,25 +267,25 @@ def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) 
     values, blocked, drawn = _landscape(moment, config)
     figure = Figure(figsize=(PAGE, 3.2), layout="compressed")
     a, b, c = figure.subplots(1, 3)
-    reward = _image(a, planned.reward, cmap=LANDSCAPE)
-    _line(a, planned.primitive, "#ffffff", 0.9, ls=(0, (4, 2)), zorder=2)
+    reward = draw_window(a, planned.reward, cmap=LANDSCAPE)
+    draw_line(a, planned.primitive, "#ffffff", 0.9, ls=(0, (4, 2)), zorder=2)
     free = np.where(blocked, np.nan, values)
     low = float(np.nanpercentile(free, 10))
-    value = _image(b, np.where(blocked, low, values), cmap=LANDSCAPE, vmin=low)
-    _line(b, drawn, "#e6194b", 1.8, zorder=3)
+    value = draw_window(b, np.where(blocked, low, values), cmap=LANDSCAPE, vmin=low)
+    draw_line(b, drawn, "#e6194b", 1.8, zorder=3)
     for axes in (a, b):
-        _cover(axes, moment.grid.occupied_mask(), 1.0)
-        _chair(axes, moment.chair.footprint, "none", "#ffffff")
-        _dot(axes, planned.goal, "#ffffff", 6.0, mec="black")
+        cover_cells(axes, moment.grid.occupied_mask(), 1.0)
+        draw_chair(axes, moment.chair.footprint, "none", "#ffffff")
+        draw_dot(axes, planned.goal, "#ffffff", 6.0, mec="black")
     _draw_rollout(c, moment)
     if planned.source == "hybrid_astar":
-        _line(c, planned.path, BEAM, 1.8, zorder=4.5)
-    _line(c, drawn, "#e6194b", 1.0, zorder=4)
+        draw_line(c, planned.path, BEAM, 1.8, zorder=4.5)
+    draw_line(c, drawn, "#e6194b", 1.0, zorder=4)
     for image, axes, label, extend in ((reward, a, "reward", "neither"), (value, b, "value", "min")):
         bar = figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, extend=extend)
         bar.set_label(label)
     for axes, title in ((a, "A  reward and primitive"), (b, "B  value and DPP path"), (c, "C  pursuit rolled out")):
-        _front_axes(axes)
+        front_axes(axes)
         axes.set_title(title)
         axes.set_anchor("N")
     return figure
@@ -346,12 +308,12 @@ def compliance_figure(compliance: ComplianceModel, threshold: float = 0.9) -> Fi
     centre = np.linspace(-WINDOW, WINDOW, 101)[:-1] + WINDOW / 100
     for axes, (name, stick) in zip(panels, STICKS, strict=True):
         values = compliance.map(np.array(stick))
-        image = _image(axes, values, cmap=LANDSCAPE, vmin=0, vmax=1)
+        image = draw_window(axes, values, cmap=LANDSCAPE, vmin=0, vmax=1)
         axes.contour(centre, centre, values.T, levels=[threshold], colors="white", linewidths=1.2)
-        _line(axes, ring, "#c9ced5", 0.8, ls="--")
-        _chair(axes, Footprint(), "none", "#ffffff")
-        _stick(axes, stick, "#ff7bd5", 0.6)
-        _front_axes(axes, -0.95, 0.95)
+        draw_line(axes, ring, "#c9ced5", 0.8, ls="--")
+        draw_chair(axes, Footprint(), "none", "#ffffff")
+        draw_stick(axes, stick, "#ff7bd5", 0.6)
+        front_axes(axes, -0.95, 0.95)
         axes.label_outer()
         axes.set_title(f"input {name}")
     figure.colorbar(image, ax=panels, shrink=0.85, label="compliance")

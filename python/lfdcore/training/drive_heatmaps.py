@@ -17,7 +17,7 @@ from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_joysti
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
+from lfdcore.wheelchair.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.joystick_model import JoystickModel, JoystickModelConfig
 from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
 
@@ -76,7 +76,7 @@ def learn_heatmaps(
     pairs = heatmap_pairs(logs, config.targets, lambda done, total: tell("targets", done, total))
     joystick = learn_joystick(logs, config)
     network = train_heatmap_net(pairs, config.network, lambda done, total: tell("network", done, total), on_epoch)
-    metadata = _metadata(logs, len(pairs), network)
+    metadata = _metadata(logs, pairs, network)
     return LearnedHeatmaps(HeatmapModel(SensorHeatmap(network.onnx), joystick, metadata), network)
 
 
@@ -105,15 +105,19 @@ def learn_naive_heatmap(
     targets, settings = replace(config.targets, paths="own"), replace(config.network, kind="naive")
     pairs = heatmap_pairs(logs, targets, lambda done, total: tell("targets", done, total))
     network = train_heatmap_net(pairs, settings, lambda done, total: tell("network", done, total), on_epoch)
-    return NaiveHeatmapModel(NaiveHeatmap(network.onnx), _metadata(logs, len(pairs), network)), network
+    return NaiveHeatmapModel(NaiveHeatmap(network.onnx), _metadata(logs, pairs, network)), network
 
 
-def _metadata(logs: Sequence[DriveLog], pairs: int, network: TrainedHeatmapNet) -> dict[str, Any]:
-    """full_deflection: what the stick asked for when pushed fully, [m/s, rad/s] a log."""
+def _metadata(logs: Sequence[DriveLog], pairs: HeatmapPairs, network: TrainedHeatmapNet) -> dict[str, Any]:
+    """held_out: positions in `logs` of those that the network was validated on; losses: the learning curves;
+    full_deflection: what the stick asked for when pushed fully, [m/s, rad/s] a log."""
     return {
         "logs": [log.name for log in logs],
         "full_deflection": [[*full_deflection(log)] for log in logs],
-        "pairs": pairs,
+        "held_out": np.unique(pairs.log[network.validation]).tolist(),
+        "pairs": len(pairs),
+        "train_losses": [round(point.train, 6) for point in network.curve],
+        "validation_losses": [round(point.validation, 6) for point in network.curve],
         "validation_loss": network.best.validation,
         "epochs": len(network.curve),
     }

@@ -1,0 +1,69 @@
+"""What pictures of the local window are drawn with: base_link with the chair's front up, x ahead the vertical axis, y
+left the horizontal one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from lfdcore.geometry import Footprint
+from lfdcore.wheelchair.beams import WINDOW
+
+Array = NDArray[np.float64]
+
+STICK, GOAL = "#7b2cbf", "#f39c12"
+LANDSCAPE = "viridis"
+_EDGE = WINDOW + 0.12
+_BACK = -0.6
+
+
+def front_axes(axes: Axes, back: float = _BACK, reach: float = _EDGE, labels: bool = True) -> None:
+    """Front up; y grows to the left, as base_link has it."""
+    axes.set(xlim=(reach, -reach), ylim=(back, reach))
+    axes.set_aspect("equal")
+    axes.tick_params(length=2.5, width=0.6)
+    if labels:
+        axes.set_xlabel("y, left [m]")
+        axes.set_ylabel("x, ahead [m]")
+
+
+def draw_line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more: Any) -> None:
+    """A polyline (N, 2) [m]."""
+    axes.plot(points[:, 1], points[:, 0], color=colour, lw=width, **more)
+
+
+def draw_dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
+    """A point (2,) [m]."""
+    axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
+
+
+def draw_chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
+    """The chair in base_link."""
+    axes.add_patch(Polygon(footprint.corners()[:, ::-1], facecolor=face, edgecolor=edge, lw=1.0, zorder=4))
+
+
+def draw_stick(axes: Axes, joystick: Sequence[float] | Array, colour: str = STICK, length: float = 0.75) -> None:
+    """The joystick as an arrow from the axle."""
+    tip = (joystick[1] * length, joystick[0] * length)
+    arrow = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 12}
+    axes.annotate("", xy=tip, xytext=(0, 0), arrowprops=arrow, zorder=7)
+
+
+def draw_window(axes: Axes, values: NDArray[np.floating], **more: Any) -> AxesImage:
+    """A window of cells [iy, ix] behind everything else."""
+    extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
+    return axes.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", zorder=0, **more)
+
+
+def cover_cells(axes: Axes, mask: NDArray[np.bool_], grey: float) -> None:
+    """Paints the cells of a mask [iy, ix] in one shade of grey, 1 = white."""
+    shade = np.zeros((*mask.shape, 4))
+    shade[mask] = (grey, grey, grey, 1.0)
+    extent = (-WINDOW, WINDOW, -WINDOW, WINDOW)
+    axes.imshow(shade.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest", zorder=1)
