@@ -167,7 +167,7 @@ def adaptation_table(runs: Sequence[AdaptationRun], after: float = 60.0) -> Tabl
     )
     rows = [_row(bias, [run for run in runs if run.bias == bias]) for bias in sorted({run.bias for run in runs})]
     note = (
-        f"Mean angle [rad] between the stick the model predicts and the stick meant, over the ticks after {after:.0f} s, "
+        f"Mean angle [rad] between the stick the model predicts and the one meant, over the ticks after {after:.0f} s, "
         f"with 95 % intervals over runs; of the trained model, of the model as adapted after {after:.0f} s, and of the "
         "model as it goes on adapting. Ratios are of means. Wanted: at most .7 with a bias, 1.05 without."
     )

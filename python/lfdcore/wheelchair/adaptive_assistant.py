@@ -4,8 +4,8 @@ Followed is what the chair was made to do along a path that the driver let stand
 stick that is to be judged: where nothing but the stick decides, it follows the stick's error, and to learn each tick's
 pair would be to learn the assistant's mistakes. What tells of a bias is that demonstrators' ways (the sensor heatmap)
 hold the chair to one side of where the stick alone would lead, place after place. So one angle is estimated from all
-that was followed; it is believed as far as chance does not explain it; and the pairs learned are the raw stick and the
-same stick turned by that angle.
+that was followed; it is believed as far as chance does not explain it; and the pairs learned, also where the stick asks
+for what no path makes, are the raw stick and the same stick turned by that angle.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class AdaptationConfig:
     with able drivers, unbiased and biased by .3."""
 
     steepest: float = 1.1
-    """A stick farther from ahead asks for a turn on the spot, which no path makes: nothing is learned from it."""
+    """A stick farther from ahead asks for a turn on the spot, which no path makes: it is not judged by one."""
     largest: float = 0.5
     """One tick's offset counts as at most so much: an evasion is no bias."""
     scatter: float = 0.73
@@ -157,19 +157,21 @@ class AdaptiveAssistant:
         """As DriveAssistant; then learns from what is followed."""
         said = self._drive.update(observation)
         joystick = np.array(observation.joystick)
-        if self._followed(said) and abs(_orientation(joystick)) <= self.adaptation.steepest:
-            self._learn(joystick, _stick_angle(said.command, self.chair.limits))
+        if said.mode not in ("rest", "stale"):
+            if self._followed(said):
+                self._judge(joystick, _stick_angle(said.command, self.chair.limits))
+            self.planner.joystick = self.adapter.add(joystick, _turned(joystick, self._offset.turn))
         return said
 
     def _followed(self, said: Assistance) -> bool:
         """Along a path, and not where the supervisor or standstill decides."""
         return said.mode == "path" and not said.supervised and float(np.hypot(*said.command)) > _ALMOST_STILL
 
-    def _learn(self, joystick: Floats, followed: float) -> None:
+    def _judge(self, joystick: Floats, followed: float) -> None:
         given = _orientation(joystick)
-        known = _orientation(np.array(self.adapter.model.predict(joystick).mean))
-        self._offset.add(float(wrap_angle(followed - given)), float(wrap_angle(known - given)))
-        self.planner.joystick = self.adapter.add(joystick, _turned(joystick, self._offset.turn))
+        if abs(given) <= self.adaptation.steepest:
+            known = _orientation(np.array(self.adapter.model.predict(joystick).mean))
+            self._offset.add(float(wrap_angle(followed - given)), float(wrap_angle(known - given)))
 
 
 def _orientation(joystick: Floats) -> float:
