@@ -40,15 +40,15 @@ class AdaptationConfig:
     """One tick's offset counts as at most so much: an evasion is no bias."""
     scatter: float = 0.73
     """Of n ticks' mean offset, times sqrt(n): .28 for a tick, and it stays alike for 7."""
-    chance: float = 0.8
-    """A mean offset within so many standard deviations of 0 is none."""
+    chance: float = 0.4
+    """A mean offset within so many standard deviations of 0 is none. More is safer for an unbiased driver, and later."""
     corrected_share: float = 0.22
     """Of a bias that the model does not know, so much shows in what is followed; the rest the path follows."""
     memory: float = 1200.0
     """Ticks after which one counts e times less for the offset: 2 minutes at 10 Hz."""
     largest_turn: float = 0.6
     """A driver is thought to point at most so far beside what is meant."""
-    adapter: JoystickAdapterConfig = field(default_factory=lambda: JoystickAdapterConfig(memory=200.0))
+    adapter: JoystickAdapterConfig = field(default_factory=lambda: JoystickAdapterConfig(memory=100.0))
     """Of the bins, whose pairs have been smoothed before."""
 
     def __post_init__(self) -> None:
