@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.study.courses.course import Course
 from lfdcore.study.drivers import AbleConfig, AbleDriver, DriverInput
-
-TURNED = Pose2(0.0, 0.0, math.pi)
-"""The chair as seen by one who takes its back for its front."""
+from lfdcore.wheelchair.two_way_assistant import TURNED, swapped_ends, swapped_limits
 
 
 @dataclass(frozen=True)
@@ -39,8 +36,8 @@ class ReversingDriver(AbleDriver):
         super().__init__(
             course,
             config or ReversingConfig(),
-            _swapped_limits(limits or MotionLimits()),
-            _swapped_ends(footprint or Footprint()),
+            swapped_limits(limits or MotionLimits()),
+            swapped_ends(footprint or Footprint()),
         )
 
     def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
@@ -49,21 +46,6 @@ class ReversingDriver(AbleDriver):
         given.joystick[0] *= -1
         given.desired[0] *= -1
         return given
-
-
-def _swapped_ends(body: Footprint) -> Footprint:
-    return Footprint(front=body.rear, rear=body.front, half_width=body.half_width)
-
-
-def _swapped_limits(limits: MotionLimits) -> MotionLimits:
-    return MotionLimits(
-        max_linear=limits.max_reverse,
-        max_reverse=limits.max_linear,
-        max_angular=limits.max_angular,
-        linear_acceleration=limits.linear_acceleration,
-        linear_braking=limits.linear_braking,
-        angular_acceleration=limits.angular_acceleration,
-    )
 
 
 def facing_back(course: Course) -> Course:

@@ -82,6 +82,8 @@ class HeatmapPlanner:
 
     def __init__(self, model: HeatmapModel, config: HeatmapPlannerConfig, chair: ChairGeometry) -> None:
         self.model = model
+        self.joystick = model.joystick
+        """What is asked for the wanted stick; to be replaced by one that has adapted to the driver (Sec. 6.2.1)."""
         self.config = config
         self.chair = chair
         self.look_ahead = config.look_ahead
@@ -98,7 +100,7 @@ class HeatmapPlanner:
 
     def orientation(self, joystick: NDArray[np.float64]) -> OrientationMoments | None:
         """Of the stick that the driver is thought to mean by this one (Eq. 4.1-4.2); None at rest."""
-        wanted = joystick_orientation(*self.model.joystick.predict(joystick))
+        wanted = joystick_orientation(*self.joystick.predict(joystick))
         if wanted is None:
             return None
         return OrientationMoments(wanted.mean, wanted.variance + self.config.driver_sd**2)

@@ -315,6 +315,11 @@ class JoystickAdapter:
         """As of the last conditioning: at most `every` - 1 pairs behind."""
         return self._model
 
+    @property
+    def own(self) -> JoystickBins:
+        """The driver's own statistics."""
+        return self._own
+
     def reset(self) -> None:
         """Back to the trained model: another driver."""
         self._own, self._new, self._model = JoystickBins.empty(self.trained.config), 0, self.trained

@@ -1,0 +1,116 @@
+"""Assistance backwards too, for a chair whose scanner sees all around (Sec. 6.2.1).
+
+Demonstrations, pure pursuit and roll-outs go forwards. So for a stick that points behind, the same assistant drives a
+chair that has its ends swapped: its ahead is our behind, and all that it sees (window, scan, stick, twist, footprint)
+is turned by 180 degrees. Nothing else is special about driving backwards.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
+from lfdcore.grid import LaserScan
+from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+
+TURNED = Pose2(0.0, 0.0, math.pi)
+"""The chair as seen by one who takes its back for its front."""
+ALL_AROUND = math.radians(350)
+"""A scan over less [rad] leaves a part of the window behind the chair unseen."""
+
+
+class TwoWayAssistant:
+    """A DriveAssistant for each way, chosen by the stick; both see every scan.
+
+    A scan that does not go all around leaves a stick that points behind to DriveAssistant: the user's own, supervised.
+    """
+
+    def __init__(
+        self,
+        model: DriveAssistantModel | HeatmapModel,
+        chair: ChairGeometry | None = None,
+        config: DriveAssistantConfig | None = None,
+        name: str = "two_way",
+    ) -> None:
+        self.name = name
+        self.chair = chair or ChairGeometry()
+        self.config = config or DriveAssistantConfig()
+        self._ahead = DriveAssistant(model, self.chair, self.config)
+        self._behind = DriveAssistant(model, turned_chair(self.chair), self.config)
+
+    def reset(self) -> None:
+        """Forgets all scans and paths."""
+        self._ahead.reset()
+        self._behind.reset()
+
+    def update(self, observation: Observation) -> Assistance:
+        """That of the assistant which drives the way the stick points; the other one lets go."""
+        resting = replace(observation, joystick=(0.0, 0.0))
+        if self._points_behind(observation) and sees_all_around(observation.scan):
+            self._ahead.update(resting)
+            return _turned_back(self._behind.update(turned(observation)))
+        self._behind.update(turned(resting))
+        return self._ahead.update(observation)
+
+    def _points_behind(self, observation: Observation) -> bool:
+        forward, left = observation.joystick
+        if math.hypot(forward, left) < self.config.dead_zone:
+            return False
+        return abs(math.atan2(left, forward)) >= self.config.reverse_from
+
+
+def sees_all_around(scan: LaserScan) -> bool:
+    """Whether the scan's beams leave no sector out."""
+    return len(scan.ranges) * abs(scan.angle_increment) >= ALL_AROUND
+
+
+def turned_chair(chair: ChairGeometry) -> ChairGeometry:
+    """The same chair with its back taken for its front."""
+    return ChairGeometry(
+        footprint=swapped_ends(chair.footprint),
+        limits=swapped_limits(chair.limits),
+        T_base_laser=TURNED.inverse() * chair.T_base_laser,
+    )
+
+
+def turned(observation: Observation) -> Observation:
+    """What the turned chair observes. The stick's left stays the rate of turn, whichever way the chair rolls."""
+    forward, left = observation.joystick
+    return replace(
+        observation,
+        pose=observation.pose * TURNED,
+        twist=Twist2(-observation.twist.linear, observation.twist.angular),
+        joystick=(-forward, left),
+        scan_pose=None if observation.scan_pose is None else observation.scan_pose * TURNED,
+    )
+
+
+def _turned_back(said: Assistance) -> Assistance:
+    """In our base_link; paths and goals are in odom already."""
+    point = said.control_point
+    return replace(
+        said,
+        command=Twist2(-said.command.linear, said.command.angular),
+        control_point=None if point is None else (-point[0], -point[1]),
+    )
+
+
+def swapped_ends(body: Footprint) -> Footprint:
+    """Front for rear."""
+    return Footprint(front=body.rear, rear=body.front, half_width=body.half_width)
+
+
+def swapped_limits(limits: MotionLimits) -> MotionLimits:
+    """Forwards for backwards."""
+    return MotionLimits(
+        max_linear=limits.max_reverse,
+        max_reverse=limits.max_linear,
+        max_angular=limits.max_angular,
+        linear_acceleration=limits.linear_acceleration,
+        linear_braking=limits.linear_braking,
+        angular_acceleration=limits.angular_acceleration,
+    )

@@ -1,0 +1,171 @@
+"""On-line adaptation to the driver, in the closed loop (Sec. 6.2.1)."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lfdcore.errors import ModelError
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.simulation import DrivingWorld
+from lfdcore.study.adaptation import (
+    AdaptationRun,
+    AdaptationStudy,
+    BiasedDriver,
+    adaptation_table,
+    angle_error,
+    pooled_ratio,
+    run_adaptation_study,
+)
+from lfdcore.study.courses import office
+from lfdcore.study.drivers import AbleDriver
+from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant, SteeringOffset
+from lfdcore.wheelchair.assistants import DriveAssistant
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.observation import Observation
+
+
+@pytest.fixture(scope="module")
+def model(heatmap_model: Path) -> HeatmapModel:
+    return HeatmapModel.load(heatmap_model)
+
+
+@pytest.fixture(scope="module")
+def runs(model: HeatmapModel) -> tuple[AdaptationRun, ...]:
+    """Of the whole study one driver of each kind, with a network that has seen little and corrects little."""
+    return run_adaptation_study(AdaptationStudy(courses=(office(),), model=model, biases=(0.0, -0.3), drivers=1))
+
+
+def test_while_adapting_the_error_of_a_biased_driver_falls_and_that_of_an_unbiased_one_stays_small(
+    runs: tuple[AdaptationRun, ...],
+) -> None:
+    unbiased, biased = runs
+    assert biased.adapting < 0.9 * biased.before
+    assert biased.then < biased.before
+    assert unbiased.adapting < unbiased.before + 0.05  # of one drive; over drivers the study's table tells
+    assert all(run.collisions == 0 for run in runs)
+
+
+def test_the_table_has_a_row_a_bias_with_ratios_of_means(runs: tuple[AdaptationRun, ...]) -> None:
+    table = adaptation_table(runs)
+    assert [row[0] for row in table.rows] == ["-0.30", "+0.00"]
+    assert table.rows[0][-1] == f"{pooled_ratio(runs[1:], 'adapting'):.2f}"
+
+
+def test_a_biased_driver_means_what_an_able_one_means_and_points_beside_it() -> None:
+    able, biased = AbleDriver(office()), BiasedDriver(office(), 0.3)
+    start = office().start
+    for tick in range(20):
+        meant = able.act(tick / 10, start, Twist2(), False).desired
+        given = biased.act(tick / 10, start, Twist2(), False)
+        np.testing.assert_array_equal(given.desired, meant)
+        turned = math.atan2(given.joystick[1], given.joystick[0]) - math.atan2(meant[1], meant[0])
+        assert turned == pytest.approx(0.3)
+    for bias in (2.0, math.nan):
+        with pytest.raises(ValueError, match="bias is"):
+            BiasedDriver(office(), bias)
+
+
+def test_the_angle_error_is_the_mean_of_angles_across_the_rear_too() -> None:
+    wanted, meant = np.array([[-1.0, 0.1], [1.0, 0.0]]), np.array([[-1.0, -0.1], [0.0, 1.0]])
+    assert angle_error(wanted, meant) == pytest.approx((2 * math.atan(0.1) + math.pi / 2) / 2)
+
+
+def closed_loop(bias: float, ticks: int, share: float, noise: float = 0.0) -> SteeringOffset:
+    """Places correct `share` of what the model does not know of a bias; the rest of the way follows the model."""
+    offset, rng = SteeringOffset(AdaptationConfig()), np.random.default_rng(1)
+    for _ in range(ticks):
+        known = offset.turn
+        shown = -share * bias + (1 - share) * known
+        offset.add(shown + noise * rng.standard_normal(), known)
+    return offset
+
+
+def test_of_a_bias_the_turn_is_learned_that_undoes_it() -> None:
+    for bias in (0.3, -0.3, 0.2):
+        learned = closed_loop(bias, 3000, AdaptationConfig().corrected_share).turn
+        assert learned == pytest.approx(-bias, rel=0.25)
+
+
+def test_what_chance_explains_is_no_bias() -> None:
+    assert closed_loop(0.0, 3000, 0.22, noise=0.28).turn == 0.0
+    assert closed_loop(0.3, 10, 0.22).turn == 0.0  # too soon
+
+
+def test_the_turn_is_bounded_whatever_is_followed() -> None:
+    offset = SteeringOffset(AdaptationConfig())
+    for _ in range(2000):
+        offset.add(3.0, 0.0)
+    assert offset.turn == AdaptationConfig().largest_turn
+
+
+@pytest.mark.parametrize(("turn", "ticks"), [(0.2, 500.0), (-0.4, 1000.0), (0.0, 0.0)])
+def test_a_turn_is_resumed(turn: float, ticks: float) -> None:
+    offset = SteeringOffset(AdaptationConfig())
+    offset.resume(turn, ticks)
+    assert offset.turn == pytest.approx(turn)
+
+
+@pytest.mark.parametrize("name", ["chance", "corrected_share", "steepest"])
+def test_a_configuration_out_of_bounds_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} is 0"):
+        AdaptationConfig(**{name: 0.0})
+    with pytest.raises(ValueError, match="memory is 0"):
+        AdaptationConfig(memory=0)
+
+
+def drive(assistant: AdaptiveAssistant | DriveAssistant, ticks: int, bias: float = 0.3) -> list[tuple[float, float]]:
+    course, world = office(), DrivingWorld(office().grid, seed=1)
+    world.reset(course.start)
+    driver, commands = BiasedDriver(course, bias), []
+    for tick in range(ticks):
+        given = driver.act(tick / 10, world.state.pose, world.state.twist, world.state.in_contact).joystick
+        pose = world.odometry
+        seen = Observation(tick / 10, world.scan(), tick / 10, pose, Twist2(), (float(given[0]), float(given[1])))
+        commands.append(tuple(assistant.update(seen).command))
+        world.step(Twist2(*commands[-1]), 0.1)
+    return commands
+
+
+def test_until_it_has_learned_it_drives_as_the_assistant_it_wraps(model: HeatmapModel) -> None:
+    assert drive(AdaptiveAssistant(model), 10) == drive(DriveAssistant(model), 10)
+
+
+def test_a_driver_is_kept_over_drives_saved_resumed_and_forgotten(model: HeatmapModel, tmp_path: Path) -> None:
+    assistant, file = AdaptiveAssistant(model), tmp_path / "driver.safetensors"
+    drive(assistant, 300)
+    assistant.reset()
+    adapted, turn = assistant.adapter.model, assistant.turn
+    assert assistant.planner.joystick.predict((0.7, 0.2)) == adapted.predict((0.7, 0.2))
+    assert adapted is not model.joystick
+    assistant.save_driver(file)
+    other = AdaptiveAssistant(model)
+    other.resume_driver(file)
+    assert other.planner.joystick is other.adapter.model
+    assert other.turn == pytest.approx(turn, abs=0.1)  # recalled from the pairs, which hold the last half minute
+    assistant.forget_driver()
+    assert assistant.planner.joystick is model.joystick and assistant.turn == 0.0
+
+
+def test_a_file_that_holds_no_driver_changes_nothing(model: HeatmapModel, heatmap_model: Path) -> None:
+    assistant = AdaptiveAssistant(model)
+    with pytest.raises(ModelError):
+        assistant.resume_driver(heatmap_model)
+    assert assistant.planner.joystick is model.joystick
+
+
+def test_a_stick_at_rest_and_a_stale_scan_teach_nothing(model: HeatmapModel) -> None:
+    assistant, world = AdaptiveAssistant(model), DrivingWorld(office().grid, seed=1)
+    world.reset(office().start)
+    scan = world.scan()
+    assistant.update(Observation(0.0, scan, 0.0, Pose2(), Twist2(), (0.0, 0.0)))
+    assistant.update(Observation(1.0, scan, 0.0, Pose2(), Twist2(), (0.5, 0.0)))
+    assert assistant.adapter.own.count.sum() == 0
+
+
+def test_memory_is_bounded_by_the_bins(model: HeatmapModel) -> None:
+    assistant = AdaptiveAssistant(model)
+    drive(assistant, 200)
+    assert assistant.adapter.own.count.shape == (100,)
+    assert assistant.adapter.own.count.sum() <= assistant.adaptation.adapter.memory + 1

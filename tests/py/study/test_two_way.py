@@ -1,0 +1,92 @@
+"""Driving backwards with heatmaps and a scanner that sees all around."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lfdcore.geometry import MotionLimits, Pose2, Twist2
+from lfdcore.grid import LaserScan, local_grid
+from lfdcore.simulation import DrivingWorld, LidarConfig
+from lfdcore.study.backwards import AROUND, backwards_table, drive_backwards
+from lfdcore.study.courses import hall
+from lfdcore.wheelchair.assistants import DriveAssistant
+from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.observation import ChairGeometry, Observation
+from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant, sees_all_around, turned, turned_chair
+
+
+@pytest.fixture(scope="module")
+def model(heatmap_model: Path) -> HeatmapModel:
+    return HeatmapModel.load(heatmap_model)
+
+
+def observe(joystick: tuple[float, float], lidar: LidarConfig = AROUND, twist: Twist2 | None = None) -> Observation:
+    world = DrivingWorld(hall().grid, lidar=lidar, seed=1)
+    pose = Pose2(4.0, 2.0, 0.0)
+    world.reset(pose)
+    return Observation(0.0, world.scan(), 0.0, pose, twist or Twist2(), joystick)
+
+
+def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(heatmap_model: Path) -> None:
+    (trace,) = drive_backwards(heatmap_model, arms=("two_way",), seeds=(1,), processes=1)
+    assert trace.completed and trace.collision.sum() == 0
+    assert (trace.mode == "path").mean() > 0.8 and len(trace.plans) > 20
+    along = np.diff(trace.pose[:, :2], axis=0)
+    heading = trace.pose[:-1, 2]
+    rolled = along[:, 0] * np.cos(heading) + along[:, 1] * np.sin(heading)
+    assert rolled.sum() == pytest.approx(-hall().length, rel=0.2)
+    (row,) = backwards_table((trace,)).rows
+    assert row[:4] == ("two_way", "1", "1", "0")
+
+
+def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: HeatmapModel) -> None:
+    assistant = TwoWayAssistant(model)
+    alone = DriveAssistant(model)
+    seen = observe((-0.5, 0.1), LidarConfig())
+    said, expected = assistant.update(seen), alone.update(seen)
+    assert said.mode == expected.mode == "reverse" and said.command == expected.command
+
+
+def test_a_stick_ahead_is_answered_as_by_the_assistant_alone(model: HeatmapModel) -> None:
+    seen = observe((0.6, 0.1))
+    said, expected = TwoWayAssistant(model).update(seen), DriveAssistant(model).update(seen)
+    assert said.mode == expected.mode == "path" and said.command == expected.command
+    np.testing.assert_array_equal(said.path, expected.path)
+
+
+def test_a_path_for_a_stick_behind_leads_behind_and_is_followed_backwards(model: HeatmapModel) -> None:
+    said = TwoWayAssistant(model).update(observe((-0.6, 0.1)))
+    assert said.mode == "path" and said.path is not None and said.control_point is not None
+    assert said.path[-1, 0] < 4.0 and said.control_point[0] < 0 and said.command.linear < 0
+
+
+def test_all_heatmaps_reach_behind_the_chair_where_the_scan_does(model: HeatmapModel) -> None:
+    """The window is full; the user's heatmap has always reached behind, by the movement template's reverse arcs."""
+    for lidar, behind in ((LidarConfig(), False), (AROUND, True)):
+        seen = observe((-0.6, 0.0), lidar)
+        planner = HeatmapPlanner(model, HeatmapPlannerConfig(), ChairGeometry())
+        grid = local_grid(seen.scan, ChairGeometry().T_base_laser)
+        heat = planner.heat(seen, grid)
+        assert heat is not None
+        assert ((grid.data[:, :45] == 0).mean() > 0.3) == behind
+        assert heat.user[:, :45].max() == 1.0
+        assert bool(heat.intent[:, :45].any()) == behind
+
+
+def test_what_a_turned_chair_observes_is_the_same_place() -> None:
+    chair, seen = ChairGeometry(), observe((-0.6, 0.1), twist=Twist2(-0.3, 0.2))
+    back = turned(seen)
+    assert back.joystick == (0.6, 0.1) and tuple(back.twist) == (0.3, 0.2)
+    same = seen.pose * chair.T_base_laser, back.pose * turned_chair(chair).T_base_laser
+    assert tuple(same[1]) == pytest.approx(tuple(same[0]))
+    body, other = chair.footprint, turned_chair(chair).footprint
+    assert (other.front, other.rear, other.half_width) == (body.rear, body.front, body.half_width)
+    assert turned_chair(chair).limits.max_linear == MotionLimits().max_reverse
+
+
+@pytest.mark.parametrize(("beams", "degrees", "around"), [(181, 1.0, False), (361, 1.0, True), (270, 1.0, False)])
+def test_a_scan_goes_all_around_if_its_beams_do(beams: int, degrees: float, around: bool) -> None:
+    scan = LaserScan(np.ones(beams, np.float32), -np.pi, np.radians(degrees), 0.0, 30.0)
+    assert sees_all_around(scan) == around
