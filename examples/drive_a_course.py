@@ -11,7 +11,7 @@ from lfdcore.geometry import Pose2
 from lfdcore.study.courses import doorway_and_docking
 from lfdcore.study.demonstrations import learn_from_demonstrations
 from lfdcore.study.drivers import ImpairedDriver
-from lfdcore.study.driving import ARMS, make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant
 from lfdcore.study.metrics import driving_metrics
 from lfdcore.study.runner import RunConfig, run_drive
 
@@ -19,9 +19,11 @@ seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 task = doorway_and_docking(seed)
 run = RunConfig()
 with tempfile.TemporaryDirectory() as folder:
-    model = learn_from_demonstrations(Path(folder), seed)  # an expert drives three routes through a simulated home
-    for arm in ARMS:
-        trace = run_drive(task.course, ImpairedDriver(task.course), make_assistant(arm, model, run), seed, run)
+    models = StudyModels(
+        learn_from_demonstrations(Path(folder), seed)
+    )  # an expert drives three routes through a simulated home
+    for arm in ("none", "dwa", "primitives"):
+        trace = run_drive(task.course, ImpairedDriver(task.course), make_assistant(arm, models, run), seed, run)
         metrics = driving_metrics(trace)
         docked = task.reached(Pose2(*trace.pose[-1]))
         print(

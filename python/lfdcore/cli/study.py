@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:
     from lfdcore.study.driving import DrivingResult, StudyModels
@@ -162,3 +163,6 @@ def study_driving(
         print_json({"report": str(outcome.report), "rows": list(outcome.result.rows)})
         return
     outcome.print_tables()
+
+
+app.command("learning-curve")(study_learning_curve)
