@@ -48,8 +48,8 @@ _DEFINITIONS = (
     "optimisers hardly compare; the percentile rank among all cells seen does not depend on the scale of the map. "
     "Path RMSE: root mean square of the distance from the planned path's points to the way then driven, mean over "
     "a run's frames, for the first .8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not define "
-    "its own. A plan starts at the centre of the chair's cell, .025 m left of the axle, which no plan gets below. "
-    "At equal arc length: both compared up to 2.5 m, the path straight on beyond its end."
+    "its own. A plan starts at the centre of the chair's cell, .025 m left of the axle: along a straight way that "
+    "alone makes .025 m. At equal arc length: both compared up to 2.5 m, the path straight on beyond its end."
 )
 
 
