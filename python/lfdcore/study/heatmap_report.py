@@ -25,7 +25,7 @@ from lfdcore.study.heatmap_comparison import METHODS, Comparison, ModelFiles, co
 from lfdcore.study.heatmap_demonstrations import RecordedDrives, StageProgress, drive_to_destinations
 from lfdcore.study.heatmap_plots import heatmap_figures
 from lfdcore.study.report import Picture, Section
-from lfdcore.study.statistics import paired_test, summarise
+from lfdcore.study.statistics import paired_test, summarise, summarise_bounded
 from lfdcore.study.tables import Row, Table
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 
@@ -39,16 +39,17 @@ _ROWS = (
 )
 _TIMES = "0.5 s, 0.2 s, 0.2 s"
 _DEFINITIONS = (
-    "mean+-sd over runs (several of one driver, not independent), the mean's 95 % interval (Student's), below it "
-    "the thesis's figure (its users, home and chair). p: against heatmaps, paired over runs (exact Wilcoxon "
-    "signed-rank), not corrected for their number. Reward: mean at the positions driven, every .05 m, of the "
-    "concatenated landscapes (Alg. 4), each squashed to (0, 1): less its smallest value over cells that may be "
-    "entered, divided by its largest, the same for all methods. How fast values fall with the distance from a "
-    "goal is set by the discount ({discounts}), so that rewards of different optimisers hardly compare; the "
-    "percentile rank among all cells seen does not depend on the scale of the map. Path RMSE: root mean square of "
-    "the distance from the planned path's points to the way then driven, mean over a run's frames, for the first "
-    ".8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not define its own. At equal arc length: "
-    "both compared up to 2.5 m, the path straight on beyond its end."
+    "mean+-sd over runs (several of one driver, not independent), the mean's 95 % interval (Student's; of the "
+    "share of frames a seeded bootstrap's), below it the thesis's figure (its users, home and chair). p: against "
+    "heatmaps, paired over runs (exact Wilcoxon signed-rank), not corrected for their number. Reward: mean at the "
+    "positions driven, every .05 m, of the concatenated landscapes (Alg. 4), each squashed to (0, 1): less its "
+    "smallest value over cells that may be entered, divided by its largest, the same for all methods. How fast "
+    "values fall with the distance from a goal is set by the discount ({discounts}), so that rewards of different "
+    "optimisers hardly compare; the percentile rank among all cells seen does not depend on the scale of the map. "
+    "Path RMSE: root mean square of the distance from the planned path's points to the way then driven, mean over "
+    "a run's frames, for the first .8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not define "
+    "its own. A plan starts at the centre of the chair's cell, .025 m left of the axle: along a straight way that "
+    "alone makes .025 m. At equal arc length: both compared up to 2.5 m, the path straight on beyond its end."
 )
 
 
@@ -56,8 +57,8 @@ def _p(p: float) -> str:
     return "-" if np.isnan(p) else "<0.001" if p < 0.001 else f"{p:.3f}"
 
 
-def _cell(values: np.ndarray, digits: int, thesis: str = "-") -> str:
-    s = summarise(values)
+def _cell(values: np.ndarray, digits: int, thesis: str = "-", bounded: bool = False) -> str:
+    s = summarise_bounded(values) if bounded else summarise(values)
     if s.n == 0:
         return "-"
     lines = [f"{s.mean:.{digits}f}" if s.n == 1 else f"{s.mean:.{digits}f}+-{s.sd:.{digits}f}"]
@@ -71,7 +72,9 @@ def comparison_table(comparison: Comparison, seed: int) -> Table:
     rows: list[Row] = []
     for figure, label, digits, thesis in _ROWS:
         columns = [comparison.column(method, figure) for method in METHODS]
-        cells = (_cell(column, digits, said) for column, said in zip(columns, thesis, strict=True))
+        cells = (
+            _cell(column, digits, said, figure == "without_path") for column, said in zip(columns, thesis, strict=True)
+        )
         rows.append((label, *cells, *(_p(paired_test(columns[-1], other).p) for other in columns[:-1])))
     seconds = [comparison.column(method, "seconds") for method in METHODS]
     times = (_cell(own / seconds[-1], 1) for own in seconds[:-1])
