@@ -40,27 +40,34 @@ class TwoWayAssistant:
         self.chair = chair or ChairGeometry()
         self.config = config or DriveAssistantConfig()
         self._ahead = DriveAssistant(model, self.chair, self.config)
-        self._behind = DriveAssistant(model, turned_chair(self.chair), self.config)
+        # to the side of a reversing chair: a turn on the spot, the user's own
+        aside = replace(self.config, reverse_from=math.pi - self.config.reverse_from)
+        self._behind = DriveAssistant(model, turned_chair(self.chair), aside)
+        self._backwards = False
 
     def reset(self) -> None:
         """Forgets all scans and paths."""
         self._ahead.reset()
         self._behind.reset()
+        self._backwards = False
 
     def update(self, observation: Observation) -> Assistance:
         """That of the assistant which drives the way the stick points; the other one lets go."""
+        self._backwards = sees_all_around(observation.scan) and self._points_behind(observation)
         resting = replace(observation, joystick=(0.0, 0.0))
-        if self._points_behind(observation) and sees_all_around(observation.scan):
+        if self._backwards:
             self._ahead.update(resting)
             return _turned_back(self._behind.update(turned(observation)))
         self._behind.update(turned(resting))
         return self._ahead.update(observation)
 
     def _points_behind(self, observation: Observation) -> bool:
+        """A stick at rest or to the side goes on the way it went: it may be a turn on the spot."""
         forward, left = observation.joystick
         if math.hypot(forward, left) < self.config.dead_zone:
-            return False
-        return abs(math.atan2(left, forward)) >= self.config.reverse_from
+            return self._backwards
+        angle = abs(math.atan2(left, forward))
+        return angle >= math.pi - self.config.reverse_from if self._backwards else angle >= self.config.reverse_from
 
 
 def sees_all_around(scan: LaserScan) -> bool:

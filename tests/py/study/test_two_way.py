@@ -1,5 +1,6 @@
 """Driving backwards with heatmaps and a scanner that sees all around."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,16 @@ def test_a_path_for_a_stick_behind_leads_behind_and_is_followed_backwards(model:
     said = TwoWayAssistant(model).update(observe((-0.6, 0.1)))
     assert said.mode == "path" and said.path is not None and said.control_point is not None
     assert said.path[-1, 0] < 4.0 and said.control_point[0] < 0 and said.command.linear < 0
+
+
+def test_a_turn_on_the_spot_while_reversing_is_the_users_own(model: HeatmapModel) -> None:
+    """... so that it does not become a path ahead."""
+    assistant = TwoWayAssistant(model)
+    assistant.update(observe((-0.6, 0.0)))
+    said = assistant.update(replace(observe((0.0, 0.5)), stamp=0.1, scan_stamp=0.1))
+    assert said.mode == "reverse" and said.command.linear == 0.0 and said.command.angular > 0
+    said = assistant.update(replace(observe((0.6, 0.0)), stamp=0.2, scan_stamp=0.2))
+    assert said.mode == "path" and said.command.linear > 0
 
 
 def test_all_heatmaps_reach_behind_the_chair_where_the_scan_does(model: HeatmapModel) -> None:
