@@ -152,7 +152,7 @@ _JERK = (
 _JERK_RATIO = (
     " The thesis's angular jerk falls from 0.07 to 0.03 (Table 3.1), by its digits to between 0.33 and 0.54 of "
     "unassisted. Ours need not agree: its smoothing is not stated, drivers, courses and the chair's limits are others, "
-    "and most of our reduction comes from the low-pass on commands along a path (docs/decisions.md)."
+    "and about half of our reduction comes from the low-pass on commands along a path (docs/decisions.md)."
 )
 _NOT_MEASURED = (
     " '-': not measured, or too few pairs for a test; a fixed baseline of the steering entropy needs the same driver's "
