@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ import typer
 from lfdcore.cli.common import SeedOption
 
 if TYPE_CHECKING:
+    from lfdcore.cli.study import Step
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.study.driving import StudyModels
     from lfdcore.study.report import Section
@@ -31,12 +33,32 @@ def demo(
     starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,
     seed: SeedOption = 1,
 ) -> None:
-    """Demonstrations in a simulated home -> a learned assistant -> a course never seen, with and without it."""
+    """Demonstrations in simulated places -> learned assistants -> a course never seen, with and without them."""
     from lfdcore.cli.study import DrivingPlan, drive_and_report
 
     plan = DrivingPlan(output, (), "standard_course", "none,dwa,primitives,heatmaps", drivers, starts, seed)
     command = f"lfdcore demo --drivers {drivers} --task-starts {starts} --seed {seed}"
-    drive_and_report(plan, _real_section, command).print_tables()
+    drive_and_report(plan, partial(_sections, output, seed), command).print_tables()
+
+
+def _sections(output: Path, seed: int, study: StudyModels, step: Step) -> list[Section]:
+    """Heatmaps a posteriori (Sec. 4.6.2), and a prediction along a real log."""
+    return [*_a_posteriori(output, seed, study, step), *_real_section(study)]
+
+
+def _a_posteriori(output: Path, seed: int, study: StudyModels, step: Step) -> list[Section]:
+    """Table 4.2 and the stages of heatmaps: every method learns from the same drives through the mazes."""
+    from lfdcore.cli.study import stages
+    from lfdcore.datasets import open_log
+    from lfdcore.study.heatmap_comparison import ModelFiles, learn_rivals
+    from lfdcore.study.heatmap_report import a_posteriori_sections
+
+    if study.heatmaps is None:
+        return []
+    mazes = sorted(output.glob("maze-*.mcap"))
+    tell = stages(step, "a posteriori")
+    primitives, naive = learn_rivals(output, [open_log(path) for path in mazes], tell)
+    return a_posteriori_sections(output, ModelFiles(primitives, naive, study.heatmaps), mazes, seed, tell)
 
 
 def _real_section(study: StudyModels) -> list[Section]:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from lfdcore.study.driving_tasks import TaskResult
     from lfdcore.study.report import Section
 
+Step = Callable[[str], Callable[[int, int], None]]
+"""From a title to a progress bar's (done, total)."""
+More = Callable[["StudyModels", Step], "Sequence[Section]"]
+
 app = typer.Typer(help="Run a study: tables, pictures, one report.html.", no_args_is_help=True)
 
 
@@ -64,12 +68,11 @@ class DrivingOutcome:
         typer.echo(f"report: {self.report}")
 
 
-def drive_and_report(
-    plan: DrivingPlan, more: Callable[[StudyModels], Sequence[Section]] = lambda models: (), command: str = ""
-) -> DrivingOutcome:
+def drive_and_report(plan: DrivingPlan, more: More = lambda models, step: (), command: str = "") -> DrivingOutcome:
     """Learns what the arms need and was not given, drives courses and tasks, writes the report.
 
-    `more` makes sections of the models; `command` is named in the report as what made it, else the plan's own.
+    `more` makes sections of the models, telling a step(title) how far it is; `command` is named in the report as what
+    made it, else the plan's own.
     """
     from lfdcore.study.courses import course_by_name
     from lfdcore.study.driving import DrivingStudy, models_by_method, require_arms, require_once, run_driving_study
@@ -95,13 +98,14 @@ def drive_and_report(
         if plan.starts:
             task_study = TaskStudy(models=models, arms=arms, starts=plan.starts, seed=plan.seed)
             tasks = run_task_study(task_study, step("tasks: docking, narrow gap"), plan.processes)
+        sections = more(models, step)
         told = step("report")
         told(0, 1)
         demonstrations = [] if given.primitives else sorted(plan.output.glob("demonstration-*.mcap"))
         report = write_driving_report(
             result,
             plan.output,
-            more(models),
+            sections,
             demonstrations=demonstrations,
             tasks=tasks,
             command=command or plan.command(),
@@ -110,9 +114,19 @@ def drive_and_report(
     return DrivingOutcome(result, tasks, report)
 
 
-def _learn_what_is_missing(
-    plan: DrivingPlan, arms: Sequence[str], given: StudyModels, step: Callable[[str], Callable[[int, int], None]]
-) -> StudyModels:
+def stages(step: Step, title: str) -> Callable[[str, int, int], None]:
+    """A bar for every stage that is told of, as (stage, done, total)."""
+    bars: dict[str, Callable[[int, int], None]] = {}
+
+    def tell(stage: str, done: int, total: int) -> None:
+        if stage not in bars:
+            bars[stage] = step(f"{title}: {stage}")
+        bars[stage](done, total)
+
+    return tell
+
+
+def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyModels, step: Step) -> StudyModels:
     """The models that the arms need, learned from demonstrations where none was given."""
     from lfdcore.study.demonstrations import learn_from_demonstrations
     from lfdcore.study.driving import METHODS, StudyModels
@@ -123,13 +137,7 @@ def _learn_what_is_missing(
     if primitives is None and "primitives" in needed:
         primitives = learn_from_demonstrations(plan.output, plan.seed, progress=step("learn primitives"))
     if heatmaps is None and "heatmaps" in needed:
-        bars: dict[str, Callable[[int, int], None]] = {}
-
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in bars:
-                bars[stage] = step(f"heatmaps: {stage}")
-            bars[stage](done, total)
-
+        tell = stages(step, "heatmaps")
         heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, tell, processes=plan.processes)
     return StudyModels(primitives, heatmaps)
 
