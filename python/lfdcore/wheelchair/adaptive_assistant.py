@@ -41,7 +41,7 @@ class AdaptationConfig:
     scatter: float = 0.73
     """Of n ticks' mean offset, times sqrt(n): .28 for a tick, and it stays alike for 7."""
     chance: float = 0.4
-    """A mean offset within so many standard deviations of 0 is none. More is safer and later."""
+    """A mean offset within so many standard deviations of 0 is none. More: safer for an unbiased driver, and later."""
     corrected_share: float = 0.22
     """Of a bias that the model does not know, so much shows in what is followed; the rest the path follows."""
     memory: float = 1200.0
