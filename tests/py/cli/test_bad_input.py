@@ -194,6 +194,7 @@ def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
     everyone: bool, tmp_path: Path, home_model: Path
 ) -> None:
     arguments = ["study", "driving", "-o", str(tmp_path), "--model", str(home_model), "--processes", "2"]
+    arguments += ["--assistants", "none,dwa,primitives"]
     with subprocess.Popen(
         [sys.executable, "-m", "lfdcore", *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
     ) as study:
