@@ -100,6 +100,8 @@ class HeatmapPlanner:
 
     def orientation(self, joystick: NDArray[np.float64]) -> OrientationMoments | None:
         """Of the stick that the driver is thought to mean by this one (Eq. 4.1-4.2); None at rest."""
+        if not joystick.any():
+            return None
         wanted = joystick_orientation(*self.joystick.predict(joystick))
         if wanted is None:
             return None
