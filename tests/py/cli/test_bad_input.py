@@ -188,6 +188,14 @@ def worker_pids(parent: int) -> list[str]:
     return Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
 
 
+AT_A_TERMINAL = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job, as a CI may be, ignores it
+from lfdcore.cli.main import main
+main()
+"""
+
+
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs Linux's /proc to see the workers")
 @pytest.mark.parametrize("everyone", [True, False], ids=["as a terminal does", "the parent alone"])
 def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
@@ -195,15 +203,17 @@ def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
 ) -> None:
     arguments = ["study", "driving", "-o", str(tmp_path), "--model", str(home_model), "--processes", "2"]
     arguments += ["--assistants", "none,dwa,primitives"]
-    with subprocess.Popen(
-        [sys.executable, "-m", "lfdcore", *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as study:
+    command = [sys.executable, "-c", AT_A_TERMINAL, *arguments]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as study:
         deadline = time.monotonic() + 60
         while len(workers := worker_pids(study.pid)) < 2 and time.monotonic() < deadline:
             time.sleep(0.01)
         assert len(workers) == 2
         (os.killpg if everyone else os.kill)(study.pid, signal.SIGINT)
-        _, said = study.communicate(timeout=20)  # 0.4 s on an idle machine; the study would take a minute or more
+        try:
+            _, said = study.communicate(timeout=20)  # 0.4 s on an idle machine; the study would take a minute or more
+        finally:
+            study.kill()  # or leaving `with` waits for it
     assert study.returncode == 130
     assert said.splitlines()[-1] == "lfdcore: interrupted"
     assert "Traceback" not in said
