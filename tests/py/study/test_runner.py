@@ -213,12 +213,14 @@ def test_every_arm_drives(arm: str, home_model: Path, heatmap_model: Path) -> No
 
 
 def test_ctrl_c_while_processes_are_started_counts_once_all_are_known() -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     reached = False
     with pytest.raises(KeyboardInterrupt), _interrupt_deferred():
         signal.raise_signal(signal.SIGINT)
         reached = True
+    restored = signal.signal(signal.SIGINT, before)
     assert reached
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert restored is signal.default_int_handler
 
 
 def test_an_expert_who_touches_something_demonstrates_again(tmp_path: Path) -> None:
