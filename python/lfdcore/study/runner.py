@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -246,11 +247,19 @@ def run_jobs(
                 future.result()
                 tell(done, len(jobs))
         except BaseException:
-            for process in set(multiprocessing.active_children()) - others:
-                process.terminate()
-            pool.shutdown(cancel_futures=True)
+            _end(pool, set(multiprocessing.active_children()) - others)
             raise
     return tuple(future.result() for future in futures)
+
+
+def _end(pool: ProcessPoolExecutor, workers: set[BaseProcess]) -> None:
+    for process in workers:
+        process.terminate()
+    queue = getattr(pool, "_call_queue", None)
+    if queue is not None:
+        # Python before 3.11.5 goes on writing a job into a pipe that nobody reads, for ever (its issue 94777)
+        queue._reader.close()
+    pool.shutdown(cancel_futures=True)
 
 
 @contextmanager
