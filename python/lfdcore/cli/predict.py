@@ -74,6 +74,7 @@ def predict(
     outline, config = _footprint(footprint), _config(rule, preset)
     model_files, log_files = _told_apart(files)
     models = _load(model_files)
+    _require_of_primitives(rule, preset, models)
     logs = [open_log(path).share(begin, end) for path in log_files]
     predictions = []
     with progress_bar() as bar:
@@ -109,6 +110,17 @@ def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
 
     config = PathPredictionConfig.thesis() if preset is Preset.thesis else PathPredictionConfig()
     return config if rule is None else replace(config, rule=rule.value)
+
+
+def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, Model]) -> None:
+    """Both say how path primitives predict; with heatmaps there is one way, and the thesis prints none."""
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
+
+    option = f"--rule {rule.value}" if rule is not None else "--preset thesis"
+    asked = rule is not None or preset is Preset.thesis
+    others = [name for name, model in models.items() if not isinstance(model, DriveAssistantModel)]
+    if asked and others:
+        raise typer.BadParameter(f"{option} is of path primitives, and {', '.join(others)} holds none")
 
 
 def _footprint(text: str) -> Footprint:

@@ -13,7 +13,7 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
 from lfdcore.geometry import arc_length
-from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_joystick_model
+from lfdcore.training.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
@@ -33,7 +33,7 @@ class HeatmapLearningConfig:
     targets: HeatmapTargetConfig = field(default_factory=HeatmapTargetConfig)
     network: HeatmapNetConfig = field(default_factory=HeatmapNetConfig)
     joystick: JoystickModelConfig = field(default_factory=JoystickModelConfig)
-    hyper_parameters: HyperParameterConfig = field(default_factory=HyperParameterConfig)
+    hyper_parameters: HyperParameterConfig = STICK_SEARCH
 
     @staticmethod
     def thesis() -> HeatmapLearningConfig:

@@ -129,16 +129,16 @@ def fit_joystick_model(
     raw: ArrayLike,
     safe: ArrayLike,
     config: JoystickModelConfig | None = None,
-    search: HyperParameterConfig | None = None,
+    search: HyperParameterConfig = STICK_SEARCH,
     least_amplitude: float = 0.1,
 ) -> JoystickModel:
     """The model of Sec. 4.4.2 from pairs (N, 2) of raw and safe joystick, (forward, left): bins, then one search of
-    hyper-parameters for each axis (by default STICK_SEARCH). Able demonstrators are hardly corrected; the driver to
-    come may be, so the amplitude is at least least_amplitude.
+    hyper-parameters for each axis. Able demonstrators are hardly corrected; the driver to come may be, so the amplitude
+    is at least least_amplitude.
 
     ValueError for pairs that do not fit, are not finite or outside [-1, 1].
     """
-    config, search = config or JoystickModelConfig(), search or STICK_SEARCH
+    config = config or JoystickModelConfig()
     bins = JoystickBins.of_pairs(raw, safe, config)
     priors = []
     for axis in (0, 1):

@@ -111,6 +111,13 @@ def test_three_kinds_side_by_side_in_one_table_and_picture(learned, folder, monk
     assert 0 < about["heatmaps"]["compliant"] <= 1
 
 
+@pytest.mark.parametrize("option", [("--rule", "goal"), ("--preset", "thesis")])
+def test_what_only_path_primitives_know_is_refused_with_other_models(learned, folder, monkeypatch, capsys, option):
+    code, _, err = run(monkeypatch, capsys, "predict", *learned.values(), folder / "corner.mcap", *option)
+    assert code == 2
+    assert f"{' '.join(option)} is of path primitives, and naive, heatmaps holds none" in " ".join(err.split())
+
+
 def test_info_says_which_kind_a_model_is(learned, monkeypatch, capsys) -> None:
     kinds = {"primitives": "drive assistant model", "heatmaps": "heatmaps model", "naive": "naive heatmap model"}
     for name, path in learned.items():

@@ -58,6 +58,8 @@ def test_a_row_of_another_length_than_the_header_is_refused() -> None:
 
 ARMS = ("none", "dwa", "primitives")
 
+HEATMAP_ARMS = ("none", "heatmaps", "primitives")
+
 
 def row(arm: str, driver: int, **changes: Any) -> dict[str, Any]:
     base = {metric.key: 10.0 + driver for metric in DRIVING} | {"collisions": 0, "outcome": "completed"}
@@ -155,10 +157,22 @@ def test_the_learned_arm_has_one_name_in_all_tables() -> None:
 
 def test_the_thesis_columns_say_which_of_its_experiments_they_are_of() -> None:
     found = driving_tables(result(study_rows()))
-    assert named(found, "Driving").header[-1] == "thesis,\nsimulated"
+    assert named(found, "Driving").header[-1] == "thesis,\nCh. 3"
     framework = named(found, "Framework")
     assert framework.header[-2:] == ("thesis,\nsimulated", "thesis,\nreal")
     assert framework.rows[0][-2:] == ("0.87+-0.11", "0.88+-0.09")
+
+
+def test_heatmaps_stand_beside_table_4_1_and_are_to_halve_the_jerk() -> None:
+    rows = [r | {"assistant": "heatmaps"} if r["assistant"] == "dwa" else r for r in study_rows()]
+    study = DrivingStudy(courses=(flat(),), models=StudyModels(Path("m"), Path("h")), arms=HEATMAP_ARMS, drivers=5)
+    of_both = driving_tables(DrivingResult(study, (), tuple(rows)))
+    driving = named(of_both, "Driving")
+    assert "Table 3.1 and 4.1" in driving.title
+    assert cell(driving, "time taken", "thesis,\nCh. 4") == "162+-22\n-> 150+-20"
+    aims = next(t for t in of_both if t.title.startswith(f"Figures to reach, {ARM_NAMES['heatmaps']}"))
+    assert [row[1] for row in aims.rows] == ["0", ">= 0.95", "<= 0.50", "<= 1.00"]
+    assert cell(aims, "completed", "flat") == "0.80\nMISSED"
 
 
 def test_the_campus_stands_beside_the_thesis_real_course() -> None:
