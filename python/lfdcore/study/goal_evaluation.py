@@ -1,0 +1,144 @@
+"""How well destinations are inferred along held-out drives, sample by sample, beside three baselines (Sec. 2.3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from lfdcore.estimation import ActionModel
+from lfdcore.geometry import wrap_angle
+from lfdcore.study.statistics import block_bootstrap
+from lfdcore.wheelchair.global_goal import GoalFilter, GoalModel
+from lfdcore.wheelchair.goal_network import network_inputs
+from lfdcore.wheelchair.goal_samples import GoalSamples
+
+Floats = NDArray[np.float64]
+Goals = NDArray[np.int64]
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class BeliefTrack:
+    """A filter's beliefs along N samples of whole drives, each begun with the prior."""
+
+    mean: Floats
+    """(N, 2) [m, map]"""
+    covariance: Floats
+    """(N, 2, 2) [m^2]"""
+    likelihood: Floats
+    """(N, L)"""
+    nearest: Goals
+    """(N,)"""
+
+    def normalised_errors(self, truth: Floats) -> Floats:
+        """(N,) squared Mahalanobis distances of the true destinations (N, 2) to the beliefs; 2 on average where the
+        covariances are right (NEES)."""
+        off = truth - self.mean
+        solved = np.linalg.solve(self.covariance, off[..., None])[..., 0]
+        return np.asarray((off * solved).sum(axis=1))
+
+
+def track_beliefs(
+    model: GoalModel, samples: GoalSamples, action_model: ActionModel, progress: Progress | None = None
+) -> BeliefTrack:
+    """Filters drive after drive."""
+    running = GoalFilter(model, action_model=action_model)
+    found, drive = [], None
+    for k in range(len(samples)):
+        if samples.drive[k] != drive:
+            running.reset()
+            drive = samples.drive[k]
+        found.append(running.update(samples.pose[k], samples.twist[k], samples.joystick[k]))
+        if progress is not None:
+            progress(k + 1, len(samples))
+    return BeliefTrack(
+        np.array([b.mean for b in found]),
+        np.array([b.covariance for b in found]),
+        np.array([b.likelihood for b in found]),
+        np.array([b.nearest for b in found]),
+    )
+
+
+def prior_only(model: GoalModel, samples: GoalSamples) -> Goals:
+    """(N,) the goal nearest to the prior's mean, always."""
+    return np.full(len(samples), GoalFilter(model).belief.nearest) if len(samples) else np.zeros(0, np.int64)
+
+
+def along_heading(model: GoalModel, samples: GoalSamples) -> Goals:
+    """(N,) the goal whose bearing is nearest to where the chair points."""
+    to = model.goals.positions[None] - samples.pose[:, None, :2]
+    bearing = np.arctan2(to[..., 1], to[..., 0]) - samples.pose[:, 2:]
+    return np.asarray(np.abs(wrap_angle(bearing)).argmin(axis=1))
+
+
+def nearest_neighbour(model: GoalModel, samples: GoalSamples) -> Goals:
+    """(N,) where the most similar sample learned from went: by pose and stick, standardised as the network's inputs."""
+    network = model.network
+    known, asked = (
+        (network_inputs(s.pose, s.joystick, network.heading) - network.centre) / network.scale
+        for s in (model.samples, samples)
+    )
+    return np.asarray(model.samples.goal[cKDTree(known).query(asked)[1]])
+
+
+BASELINES = {"prior only": prior_only, "along the heading": along_heading, "1-nearest neighbour": nearest_neighbour}
+
+
+def quarter_of_drive(samples: GoalSamples) -> NDArray[np.int64]:
+    """(N,) 0..3: which quarter of its drive's duration a sample lies in."""
+    ends = {drive: samples.stamp[samples.drive == drive].max() for drive in np.unique(samples.drive)}
+    share = samples.stamp / np.array([max(ends[drive], 1e-9) for drive in samples.drive])
+    return np.minimum((4 * share).astype(np.int64), 3)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Share of samples whose goal was named, over all and by quarter of the drive; 95 % interval over drives."""
+
+    method: str
+    samples: int
+    drives: int
+    share: float
+    low: float
+    high: float
+    quarters: tuple[float, float, float, float]
+
+
+def accuracy(method: str, said: Goals, samples: GoalSamples, seed: int = 1) -> Accuracy:
+    """Of the goals (N,) said. The interval is a bootstrap of whole drives: samples of one are not independent."""
+    right = (said == samples.goal).astype(float)
+    low, high = block_bootstrap(right[:, None], samples.drive, seed)
+    quarter = quarter_of_drive(samples)
+    first, second, third, fourth = (float(right[quarter == k].mean()) for k in range(4))
+    quarters = (first, second, third, fourth)
+    drives = len(np.unique(samples.drive))
+    return Accuracy(method, len(samples), drives, float(right.mean()), float(low[0]), float(high[0]), quarters)
+
+
+def agreement(a: Goals, b: Goals, goals: int) -> tuple[float, float]:
+    """Share of samples with the same answer, and Cohen's kappa (Sec. 2.3.2.1) of two methods' goals (N,)."""
+    table = confusion(a, b, goals) / len(a)
+    same, by_chance = float(np.trace(table)), float(table.sum(axis=1) @ table.sum(axis=0))
+    return same, (same - by_chance) / (1 - by_chance) if by_chance < 1 else 1.0
+
+
+def confusion(truth: Goals, said: Goals, goals: int) -> NDArray[np.int64]:
+    """(L, L) counts: a row a true goal, a column an answer (Fig. 2.8)."""
+    table = np.zeros((goals, goals), np.int64)
+    np.add.at(table, (truth, said), 1)
+    return table
+
+
+def confidence_time(likelihood: Floats, stamp: Floats, goal: int, confidence: float = 0.9) -> float:
+    """[s] at which the likelihood (T, L) of the true goal first reaches `confidence` (Table 2.1); NaN if never."""
+    sure = np.flatnonzero(likelihood[:, goal] >= confidence)
+    return float(stamp[sure[0]]) if len(sure) else float("nan")
+
+
+def drives_of(samples: GoalSamples) -> Sequence[GoalSamples]:
+    """Each drive's samples, in order."""
+    return [samples.where(samples.drive == drive) for drive in dict.fromkeys(samples.drive.tolist())]

@@ -1,0 +1,160 @@
+"""Learns destinations from drives (Ch. 2): hyper-parameters, subset, network -> GoalModel."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+
+from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.goals import Goals
+from lfdcore.estimation import (
+    ActionKernel,
+    DifferentialEvolutionConfig,
+    GaussianProcessLikelihood,
+    Kernel,
+    select_subset,
+)
+from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
+from lfdcore.training.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
+from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
+from lfdcore.wheelchair.goal_samples import GoalSamples, goal_samples, goal_state
+
+Progress = Callable[[str, int, int], None]
+"""Told (stage, done, total)."""
+Floats = NDArray[np.float64]
+
+
+def _search(generations: int, seed: int) -> HyperParameterConfig:
+    evolution = DifferentialEvolutionConfig(absolute_tolerance=0.1, generations=generations, seed=seed)
+    return HyperParameterConfig(lengthscale=(0.02, 20.0), amplitude=(0.1, 10.0), noise=(0.05, 1.0), evolution=evolution)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalLearningConfig:
+    """filter: how the model will be used; network: of Sec. 2.2; search_samples: drawn by seed, on which kernels (C.3)
+    are searched for `searches` times from other populations of `generations` each, the best being kept; subset: how
+    many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it takes the best at a step."""
+
+    filter: GoalFilterConfig = field(default_factory=GoalFilterConfig)
+    network: GoalNetConfig = field(default_factory=GoalNetConfig)
+    search_samples: int = 400
+    searches: int = 2
+    generations: int = 60
+    subset: int = 800
+    candidates: int = 59
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.search_samples <= 800:
+            raise ValueError(f"search_samples is {self.search_samples}, must be 2..800: the likelihood costs its cube")
+        for name in ("searches", "generations", "subset", "candidates"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is {getattr(self, name)}, must be at least 1")
+
+    @staticmethod
+    def thesis() -> GoalLearningConfig:
+        """The printed form: see GoalFilterConfig.thesis."""
+        return GoalLearningConfig(filter=GoalFilterConfig.thesis(), network=GoalNetConfig(heading="raw"))
+
+
+def learn_goals(
+    logs: Sequence[DriveLog],
+    goals: Goals,
+    config: GoalLearningConfig | None = None,
+    progress: Progress | None = None,
+    processes: int = 1,
+) -> GoalModel:
+    """From drives whose metadata name their destination. ValueError where a goal has no drive or a log no stick.
+
+    `processes`: that search hyper-parameters side by side, by joblib, so that any of its backends serves (inside
+    `joblib.parallel_config("dask")` a cluster); the result does not depend on it.
+    """
+    config, tell = config or GoalLearningConfig(), progress or (lambda stage, done, total: None)
+    samples = moving(goal_samples(logs, goals), config.filter.at_rest)
+    network = train_goal_network(samples, len(goals), config.network, lambda d, n: tell("network", d, n))
+    kernels = fit_action_kernels(samples, goals, config, tell, processes)
+    states = goal_state(samples.pose, samples.twist, config.filter.heading)
+    tell("subset", 0, 1)
+    subset = select_subset(
+        states,
+        goals.positions[samples.goal],
+        samples.joystick,
+        list(kernels),
+        size=min(config.subset, len(samples)),
+        candidates=config.candidates,
+        seed=config.seed,
+    )
+    tell("subset", 1, 1)
+    metadata = {"logs": [log.name for log in logs], "data_sha256": data_hash(samples), "seed": config.seed}
+    return GoalModel(goals, samples, kernels, subset, network, config.filter, metadata)
+
+
+def moving(samples: GoalSamples, at_rest: float) -> GoalSamples:
+    """Without those whose stick is displaced less than `at_rest`. ValueError if none is left."""
+    chosen = samples.where(np.hypot(*samples.joystick.T) >= at_rest)
+    if not len(chosen):
+        raise ValueError(f"of {len(samples)} samples no stick is displaced by {at_rest} or more: nothing to learn from")
+    return chosen
+
+
+def data_hash(samples: GoalSamples) -> str:
+    """SHA-256 of what was learned from, as hexadecimal text."""
+    digest = hashlib.sha256()
+    for name, array in sorted(samples.arrays().items()):
+        digest.update(name.encode() + np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def fit_action_kernels(
+    samples: GoalSamples, goals: Goals, config: GoalLearningConfig, progress: Progress | None = None, processes: int = 1
+) -> tuple[ActionKernel, ActionKernel]:
+    """Type-II maximum likelihood (C.3 corrected, F4) for forward and left, on a seeded draw of the samples."""
+    tell = progress or (lambda stage, done, total: None)
+    random = np.random.default_rng(config.seed)
+    drawn = np.sort(random.permutation(len(samples))[: config.search_samples])
+    inputs, targets = action_inputs(samples, goals, config)
+    jobs = [(axis, k) for axis in (0, 1) for k in range(config.searches)]
+    total, found = len(jobs), []
+    tell("kernels", 0, total)
+    searches = Parallel(n_jobs=processes, return_as="generator")(
+        delayed(_search_once)(inputs[drawn], targets[drawn, axis], config, k) for axis, k in jobs
+    )
+    for one in searches:
+        found.append(one)
+        tell("kernels", len(found), total)
+    best = [max(found[axis * config.searches :][: config.searches], key=lambda f: f.log_likelihood) for axis in (0, 1)]
+    states = inputs.shape[1] - 2
+    first, second = (action_kernel(one.kernel, one.noise, states) for one in best)
+    return first, second
+
+
+def action_inputs(samples: GoalSamples, goals: Goals, config: GoalLearningConfig) -> tuple[Floats, Floats]:
+    """(N, Dx + 2) states and destinations side by side, (N, 2) sticks."""
+    states = goal_state(samples.pose, samples.twist, config.filter.heading)
+    return np.ascontiguousarray(np.column_stack([states, goals.positions[samples.goal]])), samples.joystick
+
+
+def _search_once(inputs: Floats, targets: Floats, config: GoalLearningConfig, number: int) -> HyperParameters:
+    search = _search(config.generations, config.seed + number)
+    return fit_hyper_parameters(inputs, np.ascontiguousarray(targets), np.zeros(len(inputs)), search)
+
+
+def action_kernel(kernel: Kernel, noise: float, states: int) -> ActionKernel:
+    """The kernel over (x, g) taken apart: the first `states` length-scales are the state's."""
+    sizes = np.asarray(kernel.lengthscales)
+    return ActionKernel(kernel.amplitude, sizes[:states], sizes[states:], noise)
+
+
+def full_log_likelihood(
+    samples: GoalSamples, goals: Goals, config: GoalLearningConfig, axis: int, kernel: ActionKernel
+) -> float:
+    """C.3 of all samples, for the kernels that a draw of them gave: one evaluation, minutes for N = 10^4."""
+    inputs, targets = action_inputs(samples, goals, config)
+    likelihood = GaussianProcessLikelihood(inputs, np.ascontiguousarray(targets[:, axis]), np.zeros(len(inputs)))
+    sizes = [kernel.amplitude, *kernel.state_lengthscales, *kernel.goal_lengthscales, kernel.noise]
+    return float(likelihood.evaluate(np.log(sizes)))

@@ -1,0 +1,188 @@
+"""Where in a known map a driver is going (Ch. 2): a belief over destinations, filtered as the drive goes on.
+
+log -> goal_samples -> kernels (C.3), subset (Alg. 1), network (Sec. 2.2) -> GoalModel
+pose, velocities, stick -> GoalFilter.update -> belief N(mu, Sigma) over g (2.1-2.3) -> likelihood of each goal
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lfdcore.datasets.goals import Goal, Goals
+from lfdcore.errors import ModelError
+from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter, goal_likelihoods
+from lfdcore.wheelchair.goal_network import GoalNetwork
+from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_state
+from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
+
+KIND, VERSION = "lfdcore goals", 1
+Floats = NDArray[np.float64]
+Data = Literal["sparse", "full"]
+"""On which data a filter runs: the subset of Alg. 1, or all."""
+_SMALL = 1e-6
+"""Added to the prior's covariance [m^2] (F1): goals in a row have none across it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalFilterConfig:
+    """How beliefs are filtered. `thesis()` has the printed values."""
+
+    heading: Heading = "embedded"
+    projected: bool = True
+    """The subset projects all data (ERRATA 14); False: it replaces them, as printed."""
+    process_noise: float = 0.1
+    """[m^2] that the belief's variance grows by at each update: samples at 10 Hz are not independent (ERRATA 6)."""
+    at_rest: float = 0.05
+    """A stick displaced less says nothing of a destination: not learned from, and the belief stays."""
+
+    def __post_init__(self) -> None:
+        for name in ("process_noise", "at_rest"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} is {getattr(self, name)}, must be >= 0 and finite")
+        if self.heading not in ("embedded", "raw"):
+            raise ValueError(f"heading is {self.heading!r}, must be 'embedded' or 'raw'")
+
+    @staticmethod
+    def thesis() -> GoalFilterConfig:
+        """The yaw as a number, the subset in the place of the data, no process noise, every sample."""
+        return GoalFilterConfig(heading="raw", projected=False, process_noise=0.0, at_rest=0.0)
+
+
+@dataclass(frozen=True)
+class GoalBelief:
+    """What is thought of the destination after an update."""
+
+    mean: Floats
+    """(2,) mu [m, map]"""
+    covariance: Floats
+    """(2, 2) Sigma [m^2]"""
+    likelihood: Floats
+    """(L,) of each goal: softmax of -d^2/2, d its Mahalanobis distance (F1); sums to 1"""
+    nearest: int
+    """the goal nearest to the mean (Sec. 2.3.2)"""
+
+
+@dataclass(frozen=True)
+class GoalModel:
+    """Destinations, the drives to them, and what was learned: see the module."""
+
+    goals: Goals
+    samples: GoalSamples
+    kernels: tuple[ActionKernel, ActionKernel]
+    """of forward and left"""
+    subset: NDArray[np.int64]
+    """(S,) of the samples, in the order of their selection (Alg. 1)"""
+    network: GoalNetwork
+    config: GoalFilterConfig
+    metadata: dict[str, Any] = field(default_factory=dict)
+
+    def action_model(self, data: Data = "sparse") -> ActionModel:
+        """p(y | g, x) (Sec. 2.3). `full` inverts a matrix of all N samples: minutes and gigabytes for N = 10^4."""
+        states = goal_state(self.samples.pose, self.samples.twist, self.config.heading)
+        goals = self.goals.positions[self.samples.goal]
+        subset = self.subset if data == "sparse" else None
+        return ActionModel(
+            states, goals, self.samples.joystick, list(self.kernels), subset=subset, projected=self.config.projected
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """What was learned from what, for people: flat, in JSON values."""
+        goals = {goal.name: f"{goal.x:g}, {goal.y:g} m" for goal in self.goals.goals}
+        sizes = {"samples": len(self.samples), "drives": len(set(self.samples.drive.tolist()))}
+        return {**self.metadata, "goals": goals, **sizes, "subset": len(self.subset)}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """One file, the same bytes for the same model."""
+        goals = [dataclasses.asdict(goal) for goal in self.goals.goals]
+        kernels = [_kernel_values(kernel) for kernel in self.kernels]
+        header = {"goals": goals, "map": str(self.goals.map or ""), "frame": "map", "kernels": kernels}
+        header |= {"config": dataclasses.asdict(self.config), "metadata": self.metadata}
+        write_tensor_file(path, KIND, VERSION, header, self._tensors())
+
+    def _tensors(self) -> Tensors:
+        network = {f"network.{name}": getattr(self.network, name) for name in ("centre", "scale", "hidden", "output")}
+        samples = {f"samples.{name}": array for name, array in self.samples.arrays().items()}
+        return {**samples, **network, "subset": self.subset}
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> GoalModel:
+        """ModelError for a damaged file or one of another kind or version."""
+        header, tensors = read_tensor_file(path, KIND, VERSION)
+        try:
+            return cls._of(header, tensors)
+        except (KeyError, TypeError, ValueError, AttributeError) as broken:
+            raise ModelError(f"{path} does not hold a model of destinations: {broken}") from broken
+
+    @classmethod
+    def _of(cls, header: dict[str, Any], tensors: Tensors) -> GoalModel:
+        goals = Goals(tuple(Goal(**goal) for goal in header["goals"]), header["map"] or None)
+        samples = GoalSamples(**{name: tensors[f"samples.{name}"] for name in GoalSamples.__dataclass_fields__})
+        if len(samples) and not (samples.goal.min() >= 0 and samples.goal.max() < len(goals)):
+            raise ValueError(f"samples go to goals up to {samples.goal.max()}, there are {len(goals)}")
+        first, second = (ActionKernel(**values) for values in header["kernels"])
+        config = GoalFilterConfig(**header["config"])
+        weights = {name: tensors[f"network.{name}"] for name in ("centre", "scale", "hidden", "output")}
+        network = GoalNetwork(config.heading, **weights)
+        return cls(goals, samples, (first, second), tensors["subset"], network, config, header["metadata"])
+
+
+def _kernel_values(kernel: ActionKernel) -> dict[str, Any]:
+    return {
+        "amplitude": kernel.amplitude,
+        "state_lengthscales": kernel.state_lengthscales.tolist(),
+        "goal_lengthscales": kernel.goal_lengthscales.tolist(),
+        "noise": kernel.noise,
+    }
+
+
+class GoalFilter:
+    """The belief over destinations along a drive (2.1-2.3).
+
+    Ten lines: `GoalFilter(GoalModel.load(path))`, then `update` at 10 Hz.
+    """
+
+    def __init__(self, model: GoalModel, data: Data = "sparse", *, action_model: ActionModel | None = None) -> None:
+        """`action_model`: one already built from `model`, where several filters share it."""
+        self.goals, self.config = model.goals, model.config
+        mean, covariance = prior_belief(model.goals.positions)
+        noise = model.config.process_noise
+        self._filter = IntentionFilter(action_model or model.action_model(data), mean, covariance, process_noise=noise)
+
+    def reset(self) -> None:
+        """Another drive: back to the prior."""
+        self._filter.reset()
+
+    def update(self, pose: ArrayLike, velocity: ArrayLike, joystick: ArrayLike) -> GoalBelief:
+        """Pose (x, y [m], yaw [rad]) in the map, velocities (m/s, rad/s), stick (forward, left) -> belief.
+
+        A stick at rest leaves the belief as it is. ValueError for what is not finite or a stick outside [-1, 1].
+        """
+        at, moving, stick = (np.asarray(v, float) for v in (pose, velocity, joystick))
+        for name, values, size in (("pose", at, 3), ("velocity", moving, 2), ("joystick", stick, 2)):
+            if values.shape != (size,) or not np.isfinite(values).all():
+                raise ValueError(f"{name} must be {size} finite numbers, is {values.tolist()}")
+        if np.abs(stick).max() > 1:
+            raise ValueError(f"joystick is {stick.tolist()}, must lie in [-1, 1]")
+        if np.hypot(*stick) >= self.config.at_rest:
+            state = goal_state(at[None], moving[None], self.config.heading)[0]
+            self._filter.update(state, stick)
+        return self.belief
+
+    @property
+    def belief(self) -> GoalBelief:
+        """As of the last update; before the first, the prior."""
+        now, places = self._filter.belief, self.goals.positions
+        likelihood = goal_likelihoods(now.mean, now.covariance, places)
+        nearest = int(np.argmin(np.hypot(*(places - now.mean).T)))
+        return GoalBelief(np.array(now.mean), np.array(now.covariance), likelihood, nearest)
+
+
+def prior_belief(positions: Floats) -> tuple[Floats, Floats]:
+    """Mean (2,) and covariance (2, 2) of the goals (L, 2), a little wider (F1)."""
+    return positions.mean(axis=0), np.cov(positions.T, bias=True) + _SMALL * np.eye(2)
