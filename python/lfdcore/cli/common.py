@@ -62,3 +62,26 @@ def open_with_joystick(path: Path) -> DriveLog:
     from lfdcore.datasets import joystick_from_motion, open_log
 
     return joystick_from_motion(open_log(path))
+
+
+class Stages:
+    """A bar for every stage of a work, told of as (stage, done, total)."""
+
+    def __init__(self, bar: Progress) -> None:
+        self._bar = bar
+        self._tasks: dict[str, Any] = {}
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        if stage not in self._tasks:
+            self._tasks[stage] = self._bar.add_task(stage, total=total)
+        self._bar.update(self._tasks[stage], completed=done, total=total)
+
+
+def require_writable(output: Path, inputs: list[Path]) -> None:
+    """A model replaces what stands at `output`: never a file that it learns from, a folder or a device."""
+    if not output.exists():
+        return
+    if not output.is_file():
+        raise ValueError(f"{output}: exists and is no regular file, so no model is written there")
+    if any(one.exists() and output.samefile(one) for one in inputs):
+        raise typer.BadParameter(f"--output {output} is one of the files to learn from")

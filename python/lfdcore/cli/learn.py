@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,9 +14,12 @@ from lfdcore.cli.common import (
     LogArguments,
     Preset,
     PresetOption,
+    Stages,
     print_json,
     progress_bar,
+    require_writable,
 )
+from lfdcore.cli.learn_goals import learn_goals_command
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -41,6 +44,9 @@ def _group() -> None:
     """Learn a model from demonstrations."""
 
 
+app.command("goals")(learn_goals_command)
+
+
 @app.command("drive")
 def learn_drive_command(
     logs: LogArguments,
@@ -59,7 +65,7 @@ def learn_drive_command(
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
 
-    _require_writable(output, logs)
+    require_writable(output, logs)
     if method is not Method.primitives:
         _require_training()
     drives = [open_log(path) for path in logs]
@@ -81,7 +87,7 @@ def _learn(
 ) -> tuple[Model, TrainedHeatmapNet | None]:
     from lfdcore.study.prediction import first_share, learn_from_logs
 
-    tell = _Stages(bar)
+    tell = Stages(bar)
     if method is Method.primitives:
         from lfdcore.wheelchair.model_file import LearningConfig
 
@@ -98,19 +104,6 @@ def _learn(
     return learned.model, learned.network
 
 
-class _Stages:
-    """A bar for every stage of learning"""
-
-    def __init__(self, bar: Progress) -> None:
-        self._bar = bar
-        self._tasks: dict[str, Any] = {}
-
-    def __call__(self, stage: str, done: int, total: int) -> None:
-        if stage not in self._tasks:
-            self._tasks[stage] = self._bar.add_task(stage, total=total)
-        self._bar.update(self._tasks[stage], completed=done, total=total)
-
-
 def _curve(network: TrainedHeatmapNet) -> str:
     """The learning curves: mean binary cross-entropy a cell"""
     rows = [f"{'epoch':>5}  {'train':>6}  {'validation':>10}"]
@@ -125,13 +118,3 @@ def _require_training() -> None:
         import lfdcore.training.drive_heatmaps  # noqa: F401
     except ModuleNotFoundError as missing:
         raise ValueError(f"learning heatmaps needs {missing.name}: install lfdcore with the extra 'train'") from missing
-
-
-def _require_writable(output: Path, logs: list[Path]) -> None:
-    """The model replaces what stands at `output`: never a log that it learns from, a folder or a device."""
-    if not output.exists():
-        return
-    if not output.is_file():
-        raise ValueError(f"{output}: exists and is no regular file, so no model is written there")
-    if any(log.exists() and output.samefile(log) for log in logs):
-        raise typer.BadParameter(f"--output {output} is one of the logs to learn from")

@@ -8,7 +8,7 @@ from typing import NoReturn
 import typer
 
 from lfdcore import __version__
-from lfdcore.cli import demo, info, learn, predict, study
+from lfdcore.cli import demo, info, learn, predict, study, track
 
 app = typer.Typer(
     name="lfdcore",
@@ -20,6 +20,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.command("info")(info.info)
 app.command("predict")(predict.predict)
+app.command("track")(track.track)
 app.add_typer(learn.app, name="learn")
 app.add_typer(study.app, name="study")
 

@@ -79,6 +79,28 @@ def belief_figure(
     return figure
 
 
+@styled
+def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
+    """One drive: the belief after each quarter of it on the map, its colour that of the nearest goal, and below the
+    likelihood of each goal, the nearest one's in its colour."""
+    samples, beliefs = track
+    figure = Figure(figsize=(PAGE, 6.0), layout="compressed")
+    above, below = figure.subfigures(2, 1, height_ratios=[1.15, 1])
+    for axes, share in zip(above.subplots(1, 4, sharey=True), (0.25, 0.5, 0.75, 1.0), strict=True):
+        at = min(int(np.searchsorted(samples.stamp, share * samples.stamp[-1])), len(samples) - 1)
+        _map_axes(axes, grid)
+        _draw_goals(axes, goals)
+        _draw_belief(axes, track, at, goal_colour(int(beliefs.nearest[at])))
+        axes.set_title(f"{samples.stamp[at]:.0f} s: {goals.names[beliefs.nearest[at]]}")
+    axes = below.subplots()
+    _draw_likelihoods(axes, samples.stamp, beliefs.likelihood, beliefs.nearest)
+    axes.set(xlabel="time [s]", ylabel="likelihood")
+    for k, name in enumerate(goals.names):
+        axes.plot([], [], color=goal_colour(k), lw=2.2, label=name)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    return figure
+
+
 def _draw_likelihoods(axes: Axes, stamp: Floats, likelihood: Floats, likeliest: NDArray[np.int64]) -> None:
     for k in range(likelihood.shape[1]):
         axes.plot(stamp, likelihood[:, k], color="#b9bec6", lw=0.9, zorder=1)

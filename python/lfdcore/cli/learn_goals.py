@@ -1,0 +1,54 @@
+"""lfdcore learn goals: destinations in a known map, from drives to them (Ch. 2)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lfdcore.cli.common import (
+    JsonOption,
+    LogArguments,
+    Preset,
+    PresetOption,
+    SeedOption,
+    Stages,
+    print_json,
+    progress_bar,
+    require_writable,
+)
+
+
+def learn_goals_command(
+    logs: LogArguments,
+    goals: Annotated[Path, typer.Option(help="Destinations by name in the map (.yaml): name, x, y in metres.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Where the model goes (.safetensors).")],
+    subset: Annotated[int, typer.Option(min=1, help="Samples that Alg. 1 keeps for real time.")] = 800,
+    processes: Annotated[int, typer.Option(min=1, help="That search hyper-parameters side by side.")] = 1,
+    preset: PresetOption = Preset.default,
+    seed: SeedOption = 1,
+    as_json: JsonOption = False,
+) -> None:
+    """Learn from drives, each of which names its destination, how a driver steers towards each. Needs torch once."""
+    from dataclasses import replace
+
+    from lfdcore.datasets import open_log, read_goals
+
+    require_writable(output, [*logs, goals])
+    try:
+        from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+    except ModuleNotFoundError as missing:
+        raise ValueError(f"learning goals needs {missing.name}: install lfdcore with the extra 'train'") from missing
+    places, drives = read_goals(goals), [open_log(path) for path in logs]
+    config = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()
+    config = replace(config, subset=subset, seed=seed)
+    with progress_bar() as bar:
+        model = learn_goals(drives, places, config, Stages(bar), processes)
+    model.save(output)
+    facts = {"model": str(output), **model.summary()}
+    if as_json:
+        print_json(facts)
+        return
+    for name, value in facts.items():
+        typer.echo(f"{name:>24}  {value}")

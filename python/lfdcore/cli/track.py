@@ -1,0 +1,166 @@
+"""lfdcore track: where a driver is going, as the drive goes on (Ch. 2)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from lfdcore.cli.common import JsonOption, print_json, progress_bar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from lfdcore.datasets.drive_log import DriveLog
+    from lfdcore.geometry import Pose2
+    from lfdcore.grid import OccupancyGrid
+    from lfdcore.study.goal_evaluation import BeliefTrack
+    from lfdcore.wheelchair.global_goal import GoalModel
+    from lfdcore.wheelchair.goal_samples import GoalSamples
+
+
+def track(
+    model_file: Annotated[Path, typer.Argument(metavar="MODEL", help="What `lfdcore learn goals` made.")],
+    log_file: Annotated[Path, typer.Argument(metavar="LOG", help="A drive log.")],
+    map_file: Annotated[
+        Path | None, typer.Option("--map", help="The map (.yaml), where the model does not name it.")
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            help="X,Y,YAW [m, m, degrees]: where a drive without poses in the map begins. Default: as learned."
+        ),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="All samples instead of the subset: minutes to prepare.")
+    ] = False,
+    every: Annotated[float, typer.Option(min=0.01, help="Seconds between the lines printed.")] = 2.0,
+    picture: Annotated[
+        Path | None, typer.Option(help="Ellipses on the map and likelihoods (.png, .pdf, .svg).")
+    ] = None,
+    animation: Annotated[Path | None, typer.Option(help="The belief as the drive goes on (.gif).")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Follow the belief over destinations along a drive. Poses are the log's or, without any, a scan matcher's."""
+    from lfdcore.datasets import open_log
+    from lfdcore.study.goal_evaluation import track_beliefs
+    from lfdcore.wheelchair.global_goal import GoalModel
+
+    _require_suffix("--picture", picture, (".png", ".pdf", ".svg"))
+    _require_suffix("--animation", animation, (".gif",))
+    model, log = GoalModel.load(model_file), open_log(log_file)
+    with progress_bar() as bar:
+
+        def tell(stage: str) -> Callable[[int, int], None]:
+            task = bar.add_task(stage, total=None)
+            return lambda done, total: bar.update(task, completed=done, total=total)
+
+        samples = _samples(model, log, map_file, start, tell)
+        told = tell("model")
+        action_model = model.action_model("full" if full else "sparse")
+        told(1, 1)
+        beliefs = track_beliefs(model, samples, action_model, tell("belief"))
+        _draw(model, samples, beliefs, map_file, picture, animation)
+    if as_json:
+        print_json({"goals": model.goals.names, "beliefs": _lines(samples, beliefs, every)})
+        return
+    _print(model, samples, beliefs, every)
+
+
+def _require_suffix(option: str, path: Path | None, allowed: tuple[str, ...]) -> None:
+    if path is not None and path.suffix.lower() not in allowed:
+        raise typer.BadParameter(f"{option} {path} must end in {', '.join(allowed)}")
+
+
+def _samples(
+    model: GoalModel,
+    log: DriveLog,
+    map_file: Path | None,
+    start: str | None,
+    tell: Callable[[str], Callable[[int, int], None]],
+) -> GoalSamples:
+    """With the log's poses in the map or, where it has none, a scan matcher's."""
+    from lfdcore.wheelchair.goal_samples import drive_samples
+    from lfdcore.wheelchair.localisation import with_map_poses
+
+    if not len(log.map_stamp):
+        grid = _map(model, map_file)
+        log = with_map_poses(log, grid, _start(model, start), tell("localise"))
+    return drive_samples(log)
+
+
+def _map(model: GoalModel, map_file: Path | None) -> OccupancyGrid:
+    from lfdcore.datasets import read_map
+
+    path = map_file or model.goals.map
+    if path is None:
+        raise typer.BadParameter("--map is needed: neither the model nor the command names the map")
+    return read_map(path)
+
+
+def _start(model: GoalModel, text: str | None) -> Pose2:
+    import numpy as np
+
+    from lfdcore.geometry import Pose2
+
+    if text is None:
+        first = model.samples.pose[model.samples.stamp == model.samples.stamp.min()]
+        return Pose2(*np.median(first, axis=0).tolist())
+    try:
+        x, y, yaw = (float(word) for word in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"--start {text!r} must be X,Y,YAW in metres and degrees") from None
+    return Pose2(x, y, float(np.radians(yaw)))
+
+
+def _draw(
+    model: GoalModel,
+    samples: GoalSamples,
+    beliefs: BeliefTrack,
+    map_file: Path | None,
+    picture: Path | None,
+    animation: Path | None,
+) -> None:
+    if picture is None and animation is None:
+        return
+    from lfdcore.study.belief_plots import drive_figure, save_belief_animation
+
+    grid = _map(model, map_file)
+    if picture is not None:
+        drive_figure(grid, model.goals, (samples, beliefs)).savefig(picture, dpi=120)
+    if animation is not None:
+        save_belief_animation(animation, grid, model.goals, (samples, beliefs))
+
+
+def _shown(samples: GoalSamples, every: float) -> list[int]:
+    """Indices of the samples to print: the first one after each `every` seconds, and the last."""
+    import numpy as np
+
+    wanted = np.arange(0.0, float(samples.stamp[-1]), every)
+    return sorted({*np.searchsorted(samples.stamp, wanted).tolist(), len(samples) - 1})
+
+
+def _lines(samples: GoalSamples, beliefs: BeliefTrack, every: float) -> list[dict[str, object]]:
+    return [
+        {
+            "time": float(samples.stamp[k]),
+            "mean": beliefs.mean[k].tolist(),
+            "covariance": beliefs.covariance[k].tolist(),
+            "likelihood": beliefs.likelihood[k].tolist(),
+            "nearest": int(beliefs.nearest[k]),
+        }
+        for k in _shown(samples, every)
+    ]
+
+
+def _print(model: GoalModel, samples: GoalSamples, beliefs: BeliefTrack, every: float) -> None:
+    """A line every few seconds: the likelihood of each goal, the nearest one, and how wide the belief is."""
+    import numpy as np
+
+    names = model.goals.names
+    typer.echo(f"{'time [s]':>8}  {'nearest':<10}  {'sd [m]':>6}  " + "  ".join(f"{name:>6.6}" for name in names))
+    for k in _shown(samples, every):
+        wide = float(np.sqrt(np.linalg.eigvalsh(beliefs.covariance[k])[-1]))
+        shares = "  ".join(f"{value:6.2f}" for value in beliefs.likelihood[k])
+        typer.echo(f"{samples.stamp[k]:8.1f}  {names[beliefs.nearest[k]]:<10.10}  {wide:6.1f}  {shares}")
