@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:
@@ -174,3 +175,4 @@ def study_driving(
 
 
 app.command("learning-curve")(study_learning_curve)
+app.command("goals")(study_goals)

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import wrap_angle
 from lfdcore.study.statistics import block_bootstrap
-from lfdcore.wheelchair.global_goal import GoalFilter, GoalModel
+from lfdcore.wheelchair.global_goal import GoalFilter, GoalModel, prior_belief
 from lfdcore.wheelchair.goal_network import network_inputs
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
@@ -33,6 +33,10 @@ class BeliefTrack:
     """(N, L)"""
     nearest: Goals
     """(N,)"""
+
+    def where(self, mask: NDArray[np.bool_]) -> BeliefTrack:
+        """The beliefs at the samples of a mask (N,)."""
+        return BeliefTrack(self.mean[mask], self.covariance[mask], self.likelihood[mask], self.nearest[mask])
 
     def normalised_errors(self, truth: Floats) -> Floats:
         """(N,) squared Mahalanobis distances of the true destinations (N, 2) to the beliefs; 2 on average where the
@@ -65,7 +69,9 @@ def track_beliefs(
 
 def prior_only(model: GoalModel, samples: GoalSamples) -> Goals:
     """(N,) the goal nearest to the prior's mean, always."""
-    return np.full(len(samples), GoalFilter(model).belief.nearest) if len(samples) else np.zeros(0, np.int64)
+    mean, _ = prior_belief(model.goals.positions)
+    nearest = np.argmin(np.hypot(*(model.goals.positions - mean).T))
+    return np.full(len(samples), int(nearest))
 
 
 def along_heading(model: GoalModel, samples: GoalSamples) -> Goals:
