@@ -171,9 +171,9 @@ class DriveLog:
         return np.stack([np.interp(times, self.odometry_stamp, self.pose[:, k]) for k in range(3)], axis=1)
 
     def map_pose_at(self, t: ArrayLike) -> Array:
-        """Poses in the map at times (N,) [s] -> (N, 3): the last T_map_odom (before the first: the first) times T_odom_base.
+        """Poses in the map at times (N,) [s] -> (N, 3): T_odom_base as `pose_at` has it, by the T_map_odom last known.
 
-        ValueError for a log without a localiser's or without odometry records.
+        Before the first T_map_odom, that one counts. ValueError for a log without any, or without odometry.
         """
         times = _times(t)
         if not len(self.map_stamp):
@@ -195,7 +195,10 @@ class DriveLog:
         return _held(_times(t), self.joystick_stamp, self.joystick)
 
     def slice(self, t0: float, t1: float, *, lead: float = 0.0) -> DriveLog:
-        """The records with t0 <= stamp < t1 [s]; all but scans from t0 - lead on, and the T_map_odom that holds there."""
+        """The records with t0 <= stamp < t1 [s]; all but scans from t0 - lead on.
+
+        The T_map_odom that holds there stays too, with its own stamp.
+        """
         if not t0 <= t1:
             raise ValueError(f"t0 is {t0} s, must not lie after t1 = {t1} s")
         first, last = np.searchsorted(self.scan_stamp, (t0, t1))

@@ -1,4 +1,4 @@
-"""The drives of Ch. 2: able drivers, unassisted, six times to each destination; five to learn from, the sixth held out."""
+"""The drives of Ch. 2: able drivers, unassisted, six times to each destination; the sixth of each is held out."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def perturbed_poses(poses: ArrayLike, position: float, heading: float, seed: int
     rng = np.random.default_rng([_OFF, _checked(seed)])
     direction, side = rng.uniform(-np.pi, np.pi), rng.choice((-1.0, 1.0))
     off = given + np.array([position * np.cos(direction), position * np.sin(direction), side * heading])
-    return np.c_[off[:, :2], wrap_angle(off[:, 2])]
+    return np.column_stack([off[:, :2], wrap_angle(off[:, 2])])
 
 
 _NOISE, _OFF = 0x60A3, 0x60A4

@@ -61,12 +61,14 @@ def _draw_drives(
 
 def _draw_goals(axes: Axes, world: GoalWorld) -> None:
     for k, goal in enumerate(world.goals.goals):
+        right = goal.x >= world.start.x  # the name stands beyond the goal, not on the way to it
         axes.plot(goal.x, goal.y, "o", color=goal_colour(k), markeredgecolor="white", markersize=8, zorder=5)
         axes.annotate(
             goal.name,
             (goal.x, goal.y),
-            xytext=(7, 5),
+            xytext=(7 if right else -7, 5),
             textcoords="offset points",
+            horizontalalignment="left" if right else "right",
             color=goal_colour(k),
             fontweight="bold",
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
