@@ -152,8 +152,9 @@ class DriveLog:
 
     @property
     def duration(self) -> float:
-        """[s] from the first record to the last; 0 for an empty log."""
-        stamps = [s for s in (self.scan_stamp, *(getattr(self, f"{n}_stamp") for n in _STREAMS)) if len(s)]
+        """[s] from the first record to the last, a localiser's aside; 0 for an empty log."""
+        streams = (getattr(self, f"{n}_stamp") for n in _STREAMS if n != "map")  # what holds may be from long before
+        stamps = [s for s in (self.scan_stamp, *streams) if len(s)]
         return float(max(s[-1] for s in stamps) - min(s[0] for s in stamps)) if stamps else 0.0
 
     def scan(self, index: int) -> LaserScan:
