@@ -5,6 +5,7 @@ from lfdcore.datasets.drive_log import DriveLog, DriveLogWriter, Intention, Plan
 from lfdcore.datasets.drive_log_reader import read_drive_log
 from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.formats import open_log
+from lfdcore.datasets.goals import Goal, Goals, read_goals, write_goals
 from lfdcore.datasets.maps import read_map, write_map
 from lfdcore.datasets.motion import full_deflection, joystick_from_motion
 from lfdcore.datasets.mrpt import read_mrpt
@@ -14,6 +15,8 @@ from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, noted_
 __all__ = [
     "DriveLog",
     "DriveLogWriter",
+    "Goal",
+    "Goals",
     "Intention",
     "JoystickPairs",
     "Plan",
@@ -25,10 +28,12 @@ __all__ = [
     "open_log",
     "read_carmen",
     "read_drive_log",
+    "read_goals",
     "read_map",
     "read_mrpt",
     "read_rosbag",
     "safe_joystick",
     "twist_to_joystick",
+    "write_goals",
     "write_map",
 ]

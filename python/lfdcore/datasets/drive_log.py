@@ -29,8 +29,16 @@ SCAN_LAYOUT = ("angle_min", "angle_increment", "range_min", "range_max")
 LEAD = 2.0
 """[s] of odometry, joystick and commands that a share keeps from before its first scan"""
 
-_STREAMS = {"odometry": ("pose", "twist"), "joystick": ("joystick",), "desired": ("desired",), "command": ("command",)}
-_WIDTHS = {"pose": 3, "twist": 2, "joystick": 2, "desired": 2, "command": 2}
+_STREAMS = {
+    "odometry": ("pose", "twist"),
+    "joystick": ("joystick",),
+    "desired": ("desired",),
+    "command": ("command",),
+    "map": ("map_odom",),
+}
+_WIDTHS = {"pose": 3, "twist": 2, "joystick": 2, "desired": 2, "command": 2, "map_odom": 3}
+_MAP = "/tf of map"
+"""The localiser's transforms keep a clock of their own on /tf: they may be older than the odometry's."""
 _JOYSTICK_BOUND = 1 + 1e-6  # float32 in the file
 
 
@@ -108,6 +116,11 @@ class DriveLog:
     """(C,) [s]"""
     command: Array = field(default_factory=_no_pairs)
     """(C, 2) [m/s, rad/s] sent to the chair"""
+    map_stamp: Array = field(default_factory=_no_stamps)
+    """(M,) [s]"""
+    map_odom: Array = field(default_factory=_no_poses)
+    """(M, 3) T_map_odom: x, y [m], yaw [rad], continuous: where a localiser put the odometry's frame in the map; each
+    holds until the next. Empty where nobody knows"""
     plans: list[Plan] = field(default_factory=list)
     intentions: list[Intention] = field(default_factory=list)
     metadata: dict[str, str] = field(default_factory=dict)
@@ -125,7 +138,9 @@ class DriveLog:
         for name in ("joystick", "desired"):
             _require_joystick(name, getattr(self, name))
         _require_thoughts(self.plans, self.intentions)
-        object.__setattr__(self, "pose", np.c_[self.pose[:, :2], np.unwrap(self.pose[:, 2])])
+        for name in ("pose", "map_odom"):
+            poses = getattr(self, name)
+            object.__setattr__(self, name, np.c_[poses[:, :2], np.unwrap(poses[:, 2])])
 
     def _convert(self) -> None:
         for one in dataclasses.fields(self):
@@ -137,8 +152,9 @@ class DriveLog:
 
     @property
     def duration(self) -> float:
-        """[s] from the first record to the last; 0 for an empty log."""
-        stamps = [s for s in (self.scan_stamp, *(getattr(self, f"{n}_stamp") for n in _STREAMS)) if len(s)]
+        """[s] from the first record to the last, a localiser's aside; 0 for an empty log."""
+        streams = (getattr(self, f"{n}_stamp") for n in _STREAMS if n != "map")  # what holds may be from long before
+        stamps = [s for s in (self.scan_stamp, *streams) if len(s)]
         return float(max(s[-1] for s in stamps) - min(s[0] for s in stamps)) if stamps else 0.0
 
     def scan(self, index: int) -> LaserScan:
@@ -155,6 +171,22 @@ class DriveLog:
             raise ValueError(f"log {self.name!r} holds no odometry, so no pose is known")
         return np.stack([np.interp(times, self.odometry_stamp, self.pose[:, k]) for k in range(3)], axis=1)
 
+    def map_pose_at(self, t: ArrayLike) -> Array:
+        """Poses in the map at times (N,) [s] -> (N, 3): T_odom_base as `pose_at` has it, by the T_map_odom last known.
+
+        Before the first T_map_odom, that one counts. ValueError for a log without any, or without odometry.
+        """
+        times = _times(t)
+        if not len(self.map_stamp):
+            raise ValueError(f"log {self.name!r} holds no pose in a map (/tf from map to odom)")
+        held = np.maximum(np.searchsorted(self.map_stamp, times, side="right") - 1, 0)
+        x, y, yaw = self.map_odom[held].T
+        pose = self.pose_at(times)
+        c, s = np.cos(yaw), np.sin(yaw)
+        return np.stack(
+            [x + c * pose[:, 0] - s * pose[:, 1], y + s * pose[:, 0] + c * pose[:, 1], yaw + pose[:, 2]], axis=1
+        )
+
     def twist_at(self, t: ArrayLike) -> Array:
         """The twist last known at times (N,) [s] -> (N, 2) [m/s, rad/s]; 0 before the first record."""
         return _held(_times(t), self.odometry_stamp, self.twist)
@@ -164,7 +196,10 @@ class DriveLog:
         return _held(_times(t), self.joystick_stamp, self.joystick)
 
     def slice(self, t0: float, t1: float, *, lead: float = 0.0) -> DriveLog:
-        """The records with t0 <= stamp < t1 [s]; all but scans from t0 - lead on."""
+        """The records with t0 <= stamp < t1 [s]; all but scans from t0 - lead on.
+
+        The T_map_odom that holds there stays too, with its own stamp.
+        """
         if not t0 <= t1:
             raise ValueError(f"t0 is {t0} s, must not lie after t1 = {t1} s")
         first, last = np.searchsorted(self.scan_stamp, (t0, t1))
@@ -187,6 +222,8 @@ class DriveLog:
         for stream, values in _STREAMS.items():
             stamps = getattr(self, f"{stream}_stamp")
             a, b = np.searchsorted(stamps, (t0, t1))
+            if stream == "map" and a and (a == len(stamps) or stamps[a] > t0):
+                a -= 1  # what holds at t0
             changes |= {f"{stream}_stamp": stamps[a:b]} | {name: getattr(self, name)[a:b] for name in values}
         changes["plans"] = [plan for plan in self.plans if t0 <= plan.stamp < t1]
         changes["intentions"] = [intention for intention in self.intentions if t0 <= intention.stamp < t1]
@@ -221,6 +258,8 @@ class DriveLog:
             yield stamp, 3, partial(to.desired, stamp, forward, left)
         for stamp, twist in zip(self.command_stamp.tolist(), self.command, strict=True):
             yield stamp, 4, partial(to.command, stamp, Twist2(*twist))
+        for stamp, transform in zip(self.map_stamp.tolist(), self.map_odom, strict=True):
+            yield stamp, 7, partial(to.map_odom, stamp, Pose2(*transform))
         for plan in self.plans:
             yield plan.stamp, 5, partial(to.plan, plan.stamp, plan.path)
         for intention in self.intentions:
@@ -320,7 +359,7 @@ class DriveLogWriter:
         _require_finite("T_base_laser", np.array([*T_base_laser]))
         self._file = Path(path).open("wb")  # noqa: SIM115 close() ends what begins here
         self._mcap = Writer(self._file, use_chunking=False, enable_data_crcs=True)
-        self._last = dict.fromkeys(ros.TOPICS, 0)
+        self._last = dict.fromkeys((*ros.TOPICS, _MAP), 0)
         self._counts = dict.fromkeys(ros.TOPICS, 0)
         self._scan_layout: tuple[float, ...] | None = None
         self._mcap.start(profile="ros2", library=f"lfdcore {lfdcore.__version__}")
@@ -379,6 +418,13 @@ class DriveLogWriter:
         _require_finite("odometry", np.array([*pose, *twist]))
         self._write("/odom", time, ros.odometry_message(time, pose, twist))
         self._write("/tf", time, ros.transform_message(time, "odom", "base_link", pose))
+
+    def map_odom(self, stamp: float, transform: Pose2) -> None:
+        """/tf: T_map_odom, where a localiser puts the odometry's frame in the map; it holds until the next."""
+        time = self._time(_MAP, stamp)
+        _require_finite("map_odom", np.array([*transform]))
+        self._write("/tf", time, ros.transform_message(time, "map", "odom", transform))
+        self._last[_MAP] = time
 
     def joystick(self, stamp: float, forward: float, left: float) -> None:
         """/joy: the input as given, each axis in [-1, 1], kept as float32."""

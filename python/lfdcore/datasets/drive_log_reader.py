@@ -93,7 +93,7 @@ class _Gathered:
     topics: dict[int, str] = field(default_factory=dict)
     scans: list[tuple[float, Any]] = field(default_factory=list)
     rows: dict[str, list[tuple[float, ...]]] = field(
-        default_factory=lambda: {topic: [] for topic in ("/odom", "/joy", "/joy_desired", "/cmd_vel")}
+        default_factory=lambda: {topic: [] for topic in ("/odom", "/joy", "/joy_desired", "/cmd_vel", "/tf")}
     )
     plans: list[Plan] = field(default_factory=list)
     intentions: list[Intention] = field(default_factory=list)
@@ -147,9 +147,19 @@ class _Gathered:
     def _add_message(self, body: bytes) -> None:
         channel, _, nanoseconds, _ = struct.unpack_from("<HIQQ", body)
         topic = self.topics[channel]
-        if topic in self.rows or topic in ("/scan", "/plan", "/intention"):
+        if topic == "/tf":
+            self._add_transform(body[22:], nanoseconds)
+        elif topic in self.rows or topic in ("/scan", "/plan", "/intention"):
             message = ros.deserialize(body[22:], ros.TOPICS[topic])
             self._add_decoded(topic, nanoseconds / 1e9, message)
+
+    def _add_transform(self, message: bytes, nanoseconds: int) -> None:
+        """Takes T_map_odom; the other transforms on /tf repeat the odometry, and decoding them all would take long."""
+        if b"map\0" not in message:
+            return
+        for one in ros.deserialize(message, ros.TOPICS["/tf"]).transforms:
+            if (one.header.frame_id, one.child_frame_id) == ("map", "odom"):
+                self.rows["/tf"].append((nanoseconds / 1e9, *ros.transform_values(one.transform)))
 
     def _add_decoded(self, topic: str, stamp: float, message: Any) -> None:
         if topic == "/scan":
@@ -180,6 +190,7 @@ class _Gathered:
         joystick, desired, command = (
             np.array(self.rows[topic], float).reshape(-1, 3) for topic in ("/joy", "/joy_desired", "/cmd_vel")
         )
+        map_odom = np.array(self.rows["/tf"], float).reshape(-1, 4)
         return DriveLog(
             **self._scans(),
             T_base_laser=Pose2(*map(float, self.about["T_base_laser"].split())),
@@ -192,6 +203,8 @@ class _Gathered:
             desired=desired[:, 1:],
             command_stamp=command[:, 0],
             command=command[:, 1:],
+            map_stamp=map_odom[:, 0],
+            map_odom=map_odom[:, 1:],
             plans=self.plans,
             intentions=self.intentions,
             metadata=self.metadata,

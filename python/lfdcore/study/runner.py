@@ -118,10 +118,12 @@ def run_drive(
     seed: int,
     config: RunConfig | None = None,
     log_path: Path | None = None,
+    destination: str | None = None,
 ) -> DriveTrace:
     """Lets `driver` drive `course` with `assistant` until it arrives, is stuck or runs out of time.
 
-    With `log_path` the run is recorded as a drive log (what a real chair would have recorded, docs/drive-log.md).
+    With `log_path` the run is recorded as a drive log (what a real chair would have recorded, docs/drive-log.md). With
+    `destination` the log says so in its metadata and holds the true pose in the map, as a localiser would.
     """
     config = config or RunConfig()
     world = DrivingWorld(course.grid, config.chair, config.lidar, seed)
@@ -134,6 +136,7 @@ def run_drive(
     if log_path is not None:
         about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
         about |= limits_note(config.chair.limits) | place_note(course)
+        about |= {} if destination is None else {"destination": destination}
         log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
     collision, odometry_twist = False, Twist2()
     outcome = None
@@ -152,6 +155,8 @@ def run_drive(
             assistance = assistant.update(observation)
             if log is not None:
                 _write(log, observation, assistance, given.desired)
+                if destination is not None:
+                    log.map_odom(stamp, state.pose * world.odometry.inverse())
             entry = {"joystick": joystick, "desired": tuple(given.desired), "collision": collision}
             recorder.add(stamp, state, entry, assistance)
             result = world.step(assistance.command, config.period)
@@ -203,12 +208,12 @@ class Job:
     seed: int
     config: RunConfig = field(default_factory=RunConfig)
     log_path: Path | None = None
+    destination: str | None = None
 
     def run(self) -> DriveTrace:
         """-> the trace"""
-        return run_drive(
-            self.course, self.make_driver(self.course), self.make_assistant(), self.seed, self.config, self.log_path
-        )
+        driver, assistant = self.make_driver(self.course), self.make_assistant()
+        return run_drive(self.course, driver, assistant, self.seed, self.config, self.log_path, self.destination)
 
 
 Result_co = TypeVar("Result_co", covariant=True)

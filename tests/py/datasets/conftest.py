@@ -34,6 +34,8 @@ def small_drive_log(scans: int = 4, beams: int = 5) -> DriveLog:
         desired=pairs[:2],
         command_stamp=stamp,
         command=rng.normal(size=(scans, 2)),
+        map_stamp=np.round(stamp - 0.07, 2),  # a localiser is late
+        map_odom=np.c_[rng.normal(size=(scans, 2)), -3.0 - 0.2 * np.arange(scans)],
         plans=[Plan(1.1, np.array([[0.0, 0.0], [1.0, 0.5], [1.5, 2.0]]))],
         intentions=[Intention(1.1, (1.5, 2.0), 0.003)],
         metadata={"driver": "Zoë", "course": "home"},

@@ -119,3 +119,43 @@ def test_a_share_knows_the_motion_before_its_first_scan() -> None:
     assert line_log().share(0, 1).duration == line_log().duration
     with pytest.raises(ValueError, match=r"is 0\.6 to 0\.5"):
         line_log().share(0.6, 0.5)
+
+
+def localised_log() -> DriveLog:
+    """Odometry along x at 1 m/s; at 0 s its frame lies at (10, 0) turned left by 90 degrees, from 5 s on at (0, 20)."""
+    stamp = np.arange(0.0, 10.0)
+    return DriveLog(
+        scan_stamp=stamp,
+        ranges=np.ones((10, 3)),
+        odometry_stamp=stamp,
+        pose=np.c_[stamp, np.zeros((10, 2))],
+        twist=np.zeros((10, 2)),
+        map_stamp=[0.0, 5.0],
+        map_odom=[[10, 0, np.pi / 2], [0, 20, 0]],
+    )
+
+
+def test_a_pose_in_the_map_is_the_odometrys_by_the_localisers_last_word() -> None:
+    poses = localised_log().map_pose_at([-1, 2.5, 4.999, 5, 7])
+    expected = [[10, 0, np.pi / 2], [10, 2.5, np.pi / 2], [10, 4.999, np.pi / 2], [5, 20, 0], [7, 20, 0]]
+    np.testing.assert_allclose(poses, expected, atol=1e-12)
+
+
+@given(st.floats(0, 9), st.floats(0, 9))
+def test_a_slice_lies_in_the_map_where_the_whole_log_does(a: float, b: float) -> None:
+    a, b = sorted((a, b))
+    log = localised_log()
+    cut = log.slice(a, b)
+    assert (cut.map_stamp < b).all() or not len(cut.map_stamp)
+    if len(cut.odometry_stamp):
+        at = cut.odometry_stamp
+        np.testing.assert_array_equal(cut.map_pose_at(at), log.map_pose_at(at))
+
+
+def test_a_log_that_was_never_localised_says_so() -> None:
+    with pytest.raises(ValueError, match="holds no pose in a map"):
+        line_log().map_pose_at([1.0])
+    with pytest.raises(ValueError, match=r"map_odom is nan at record 0, must be finite"):
+        dataclasses.replace(localised_log(), map_odom=[[np.nan, 0, 0], [0, 0, 0]])
+    with pytest.raises(ValueError, match=r"map_odom has shape \(1, 3\), must be \(2, 3\)"):
+        dataclasses.replace(localised_log(), map_odom=[[0, 0, 0]])

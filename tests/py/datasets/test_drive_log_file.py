@@ -26,7 +26,7 @@ from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
 
 ARRAYS = ("scan_stamp", "ranges", "odometry_stamp", "twist", "joystick_stamp", "joystick", "desired_stamp", "desired")
-ARRAYS += ("command_stamp", "command")
+ARRAYS += ("command_stamp", "command", "map_stamp")
 NUMBERS = ("angle_min", "angle_increment", "range_min", "range_max", "T_base_laser", "metadata", "name", "intentions")
 
 
@@ -58,6 +58,7 @@ def assert_same(read: DriveLog, written: DriveLog) -> None:
     for name in NUMBERS:
         assert getattr(read, name) == getattr(written, name), name
     np.testing.assert_allclose(read.pose, written.pose, atol=1e-14)  # a yaw goes through a quaternion
+    np.testing.assert_allclose(read.map_odom, written.map_odom, atol=1e-14)
     assert [plan.stamp for plan in read.plans] == [plan.stamp for plan in written.plans]
     for one, other in zip(read.plans, written.plans, strict=True):
         np.testing.assert_array_equal(one.path, other.path)
@@ -119,9 +120,10 @@ def test_mcap_ros2_decodes_every_topic_to_what_was_recorded(small_log: DriveLog,
     mounting = seen["/tf_static"][0][1].transforms[0]
     assert (mounting.header.frame_id, mounting.child_frame_id) == ("base_link", "laser")
     assert mounting.transform.translation.x == 0.7
-    moving = seen["/tf"][1][1].transforms[0]
-    assert (moving.header.frame_id, moving.child_frame_id) == ("odom", "base_link")
-    assert moving.transform.translation.y == small_log.pose[1, 1]
+    for parent, child, poses in (("odom", "base_link", small_log.pose), ("map", "odom", small_log.map_odom)):
+        moving = [one for _, message in seen["/tf"] for one in message.transforms if one.child_frame_id == child]
+        assert {one.header.frame_id for one in moving} == {parent}
+        assert [one.transform.translation.y for one in moving] == poses[:, 1].tolist()
 
 
 def test_rosbags_opens_the_lone_file_and_reads_the_same(small_log: DriveLog, small_file: Path) -> None:

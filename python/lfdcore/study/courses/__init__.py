@@ -4,6 +4,7 @@ from lfdcore.study.courses.any_map import from_map
 from lfdcore.study.courses.catalogue import course_by_name, course_names, training_courses, tuning_courses
 from lfdcore.study.courses.course import Course
 from lfdcore.study.courses.drawing import Door, Drawing
+from lfdcore.study.courses.goal_building import GoalWorld, Spread, goal_building, goals_in_map
 from lfdcore.study.courses.held_out import campus, figure_eight, standard_course
 from lfdcore.study.courses.homes import HOME_ROUTES, flat, home, office
 from lfdcore.study.courses.ideal import FootprintOnGrid, IdealDrive, drive_ideally
@@ -21,9 +22,11 @@ __all__ = [
     "Door",
     "Drawing",
     "FootprintOnGrid",
+    "GoalWorld",
     "IdealDrive",
     "RouteConfig",
     "RoutePlanner",
+    "Spread",
     "Task",
     "campus",
     "clearance_field",
@@ -35,6 +38,8 @@ __all__ = [
     "figure_eight",
     "flat",
     "from_map",
+    "goal_building",
+    "goals_in_map",
     "hall",
     "home",
     "home_20x19",
