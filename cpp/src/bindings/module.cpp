@@ -13,7 +13,7 @@ PYBIND11_MODULE(_core, m) {
       m.def_submodule("planning", "Grid MDPs, dynamic policy programming, Q-learning, user heatmaps, hybrid A*.");
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
   auto estimation =
-      m.def_submodule("estimation", "Radial basis function networks, Gaussian processes, differential evolution.");
+      m.def_submodule("estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -27,4 +27,5 @@ PYBIND11_MODULE(_core, m) {
   bind_supervisor(control);
   bind_rbf_network(estimation);
   bind_gaussian_process(estimation);
+  bind_action_model(estimation);
 }

@@ -1,0 +1,42 @@
+#include "lfdcore/estimation/intention_filter.hpp"
+
+#include <Eigen/Cholesky>
+#include <utility>
+
+#include "lfdcore/error.hpp"
+
+namespace lfdcore {
+
+IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process_noise)
+    : model_(std::move(model)),
+      prior_(std::move(prior)),
+      belief_(prior_),
+      process_noise_(process_noise),
+      scratch_(model_.scratch_size()) {
+  validate(prior_, model_.goal_dimensions());
+  require_between("process_noise", process_noise, 0, 1e150, "m^2");
+}
+
+const Belief& IntentionFilter::update(std::span<const double> state, std::span<const double> action) {
+  require(action.size() == static_cast<std::size_t>(model_.actions()),
+          "an action must have one value for every kernel");
+  const ActionVector y = Eigen::Map<const ActionVector>(action.data(), static_cast<Eigen::Index>(action.size()));
+  require(y.allFinite(), "the action must be finite");
+  Belief belief = belief_;
+  belief.covariance.diagonal().array() += process_noise_;
+  const ActionMoments moments = model_.moments(state, belief, scratch_);
+  const Eigen::LLT<ActionMatrix> factor(moments.covariance);
+  require(factor.info() == Eigen::Success,
+          "the action's covariance is singular or no number: give the action kernels a larger noise");
+  const ActionVector surprise = y - moments.mean;
+  const CrossMatrix gain = factor.solve(moments.cross_covariance.transpose()).transpose();
+  belief.mean += gain * surprise;                                    // 2.2
+  belief.covariance -= gain * moments.cross_covariance.transpose();  // 2.3
+  belief.covariance = (0.5 * (belief.covariance + belief.covariance.transpose())).eval();
+  belief_ = belief;
+  return belief_;
+}
+
+void IntentionFilter::reset() { belief_ = prior_; }
+
+}  // namespace lfdcore
