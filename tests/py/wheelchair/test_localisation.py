@@ -1,5 +1,6 @@
 """Scans in a known map: the pose is right, stays right while the odometry slips, and says when it cannot be known."""
 
+import gzip
 import itertools
 import math
 from pathlib import Path
@@ -114,6 +115,44 @@ def test_a_drive_through_real_offices_is_followed(data_folder: Path, tmp_path: P
     log = drive(course, tmp_path / "offices.mcap", "G2")
     position, heading = errors(localise_log(log, world.grid, course.start), log.map_pose_at(log.scan_stamp))
     assert position.max() < 0.1 and heading.max() < 2.0
+
+
+@pytest.mark.realdata
+def test_real_scans_are_matched_to_a_map_of_other_scans(data_folder: Path) -> None:
+    path = data_folder / "logs" / "freiburg-079-corrected.log.gz"
+    log, count = open_log(path), 1000
+    true = corrected_poses(path, count)
+    grid = map_of(log, true, range(0, count, 2))
+    localiser, odometry = ScanLocaliser(grid, Pose2(*true[1])), log.pose_at(log.scan_stamp)
+    odd = range(1, count, 2)
+    found = [localiser.update(log.scan(k), log.T_base_laser, Pose2(*odometry[k])) for k in odd]
+    position, heading = errors(found, true[1::2])
+    assert np.median(position) < 0.15 and position.max() < 0.4  # walls of this map are .1-.2 m thick
+    assert np.median(heading) < 2.0
+    assert {one.outcome for one in found} == {"tracked"}
+
+
+def corrected_poses(path: Path, count: int) -> np.ndarray:
+    """Of the first scans of a CARMEN log, by the SLAM that made it."""
+    with gzip.open(path, "rt") as lines:
+        scans = (line.split() for line in lines if line.startswith("FLASER"))
+        return np.array([[float(v) for v in w[2 + int(w[1]) : 5 + int(w[1])]] for w in itertools.islice(scans, count)])
+
+
+def map_of(log: DriveLog, poses: np.ndarray, which: range) -> OccupancyGrid:
+    """Cells in which at least 4 beams ended."""
+    ends = []
+    for k in which:
+        ranges, angles = np.asarray(log.scan(k).ranges, float), np.asarray(log.scan(k).angles())
+        hit = ranges < 20
+        points = ranges[hit, None] * np.stack([np.cos(angles[hit]), np.sin(angles[hit])], axis=1)
+        ends.append((Pose2(*poses[k]) * log.T_base_laser).transform(points))
+    points = np.concatenate(ends)
+    origin = points.min(axis=0) - 1
+    ix, iy = ((points - origin) / 0.05).astype(int).T
+    hits = np.zeros((iy.max() + 20, ix.max() + 20), int)
+    np.add.at(hits, (iy, ix), 1)
+    return OccupancyGrid(np.where(hits >= 4, 100, 0).astype(np.int8), 0.05, (float(origin[0]), float(origin[1])))
 
 
 # -- laws -----------------------------------------------------------------------------------------------------------
