@@ -1,9 +1,15 @@
 """Real data for tests: the folder that LFDCORE_DATA names, or a skip that says so (a failure where CI expects it)."""
 
+from __future__ import annotations
+
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from lfdcore.study.goal_drives import GoalDrives
 
 
 @pytest.fixture(scope="session")
@@ -40,3 +46,11 @@ def heatmap_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = folder / "heatmaps.safetensors"
     learned.model.save(path)
     return path
+
+
+@pytest.fixture(scope="session")
+def goal_drives(tmp_path_factory: pytest.TempPathFactory) -> GoalDrives:
+    """All 36 drives to the destinations of the goal building, with their logs (about 15 s, once a session)."""
+    from lfdcore.study.goal_drives import record_goal_drives
+
+    return record_goal_drives(tmp_path_factory.mktemp("goal_drives"), processes=2)

@@ -32,7 +32,7 @@ class LocaliserConfig:
     drift_along: float = 0.1  # sd of the odometry's error per metre driven ..
     drift_heading: float = 0.1  # .. and per radian turned
     drift_heading_along: float = 0.05  # of its heading per metre driven
-    drift_still: float = 0.002  # a scan, in metres and radians: nothing is ever certain
+    drift_still: float = 0.01  # a scan, in metres and radians: stamps of scans and odometry do not quite agree
     surface_sd: float = 0.05  # of a beam's end about the map's surface: scanner and map together
     farthest: float = 0.4  # a beam's end farther from all that the map knows tells nothing
     beams: int = 181  # of a scan are used at most, in the coarse search every third ..

@@ -1,4 +1,4 @@
-"""goals.yaml: what is written is read; what cannot be destinations is refused with the file, the goal and the reason."""
+"""goals.yaml: what is written is read; what cannot be destinations is refused with file, goal and reason."""
 
 from pathlib import Path
 
