@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -319,13 +320,31 @@ def _require_pose(name: str, pose: Pose2) -> None:
         raise ValueError(f"{name} must be finite [m, rad], got {pose}")
 
 
-def localise_log(log: DriveLog, grid: OccupancyGrid, initial: Pose2) -> list[LocalisedPose]:
+Progress = Callable[[int, int], None]
+"""Told (scans done, of how many)."""
+
+
+def localise_log(
+    log: DriveLog, grid: OccupancyGrid, initial: Pose2, progress: Progress | None = None
+) -> list[LocalisedPose]:
     """Where the chair was at each scan of a log; initial: T_map_base at its first scan.
 
     Raises ValueError for a log without scans or without odometry.
     """
     if not len(log.scan_stamp):
         raise ValueError(f"log {log.name!r} holds no scans, so nothing to match to a map")
-    localiser = ScanLocaliser(grid, initial)
+    localiser, found = ScanLocaliser(grid, initial), []
     poses = log.pose_at(log.scan_stamp).tolist()
-    return [localiser.update(log.scan(k), log.T_base_laser, Pose2(*pose)) for k, pose in enumerate(poses)]
+    for k, pose in enumerate(poses):
+        found.append(localiser.update(log.scan(k), log.T_base_laser, Pose2(*pose)))
+        if progress is not None:
+            progress(k + 1, len(poses))
+    return found
+
+
+def with_map_poses(log: DriveLog, grid: OccupancyGrid, initial: Pose2, progress: Progress | None = None) -> DriveLog:
+    """The log with T_map_odom at each scan as the scan matcher finds it; arguments and errors as localise_log."""
+    found = localise_log(log, grid, initial, progress)
+    odometry = (Pose2(*pose) for pose in log.pose_at(log.scan_stamp).tolist())
+    corrections = [[*(one.pose * pose.inverse())] for one, pose in zip(found, odometry, strict=True)]
+    return replace(log, map_stamp=log.scan_stamp, map_odom=np.array(corrections))
