@@ -237,6 +237,16 @@ def test_the_filter_finds_the_goal_that_a_driver_goes_to() -> None:
         assert goal_likelihoods(belief.mean, belief.covariance, places).argmax() == goal
 
 
+def test_a_belief_that_collapses_stays_one() -> None:
+    states, goals, actions = data(60)
+    sharp = [ActionKernel(k.amplitude, k.state_lengthscales, k.goal_lengthscales, 1e-5) for k in KERNELS]
+    steered = IntentionFilter(ActionModel(states, goals, actions, sharp), MEAN, 100 * np.eye(2))
+    for state, action in zip(np.tile(states, (5, 1)), np.tile(actions, (5, 1)), strict=True):
+        belief = steered.update(state, action)
+        assert np.linalg.eigvalsh(belief.covariance).min() > -1e-12 * np.trace(belief.covariance)
+        assert np.array_equal(belief.covariance, belief.covariance.T)
+
+
 def test_likelihoods_are_the_softmax_of_mahalanobis_distances() -> None:
     goals = np.array([[0.0, 0.0], [1.0, 2.0], [-1.0, 0.3]])
     gaps = goals - MEAN
