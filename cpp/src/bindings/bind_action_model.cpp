@@ -97,14 +97,18 @@ void bind_model(py::module_& m) {
       "What a driver does on the way to a goal: Gaussian processes p(y_a | goal, state), conditioned "
       "once (Sec. 2.3, ERRATA 1-4 and 14), then asked as often as wanted, from any thread.")
       .def(py::init([](const RowMatrix& states, const RowMatrix& goals, const RowMatrix& actions,
-                       std::vector<ActionKernel> kernels, const std::optional<std::vector<std::int64_t>>& subset,
-                       bool projected) {
-             return ActionModel(states, goals, actions, std::move(kernels), subset ? &*subset : nullptr, projected);
+                       std::vector<ActionKernel> kernels, const std::optional<Indices>& subset, bool projected) {
+             std::vector<std::int64_t> chosen;
+             if (subset) chosen.assign(subset->data(), subset->data() + subset->size());
+             const py::gil_scoped_release free;
+             return ActionModel(states, goals, actions, std::move(kernels), subset ? &chosen : nullptr, projected);
            }),
            py::arg("states"), py::arg("goals"), py::arg("actions"), py::arg("kernels"), py::arg("subset") = py::none(),
-           py::arg("projected") = true, without_gil(),
-           "states (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. subset (S,): the samples to "
-           "use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of the "
+           py::arg("projected") = true,
+           "states (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. subset (S,) integers: the "
+           "samples "
+           "to use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of "
+           "the "
            "subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. Holds 4 N^2 bytes "
            "an action, 4 S^2 with a subset. ValueError for data that do not fit or are not finite, indices out of "
            "range or named twice, a covariance that is not positive definite.")

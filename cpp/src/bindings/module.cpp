@@ -12,8 +12,8 @@ PYBIND11_MODULE(_core, m) {
   auto planning =
       m.def_submodule("planning", "Grid MDPs, dynamic policy programming, Q-learning, user heatmaps, hybrid A*.");
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
-  auto estimation =
-      m.def_submodule("estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
+  auto estimation = m.def_submodule(
+      "estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);

@@ -7,7 +7,16 @@ namespace lfdcore::detail {
 namespace {
 
 constexpr double spanned_share = 1e-10;  // ERRATA 13
-constexpr int chunk = 4;                 // blocks of K's columns that stay in a cache until they are used up
+constexpr double far_square = 92;        // covariances below 1e-20 of the variance are rounding error beside others
+
+// The box around the first `count` lanes of inputs (dims, 32).
+void enclose(const double* inputs, int dims, int count, double* low, double* high) {
+  for (int d = 0; d < dims; ++d) {
+    const auto [least, most] = std::minmax_element(inputs + d * lanes, inputs + d * lanes + count);
+    low[d] = *least;
+    high[d] = *most;
+  }
+}
 
 }  // namespace
 
@@ -23,12 +32,16 @@ GreedyBasis::GreedyBasis(const RowMatrix& inputs, const Eigen::VectorXd& actions
       inputs_(scaled_blocks(inputs, joint_lengthscales(kernel))),
       diagonal_(static_cast<std::size_t>(count_)),
       residual_(static_cast<std::size_t>(count_)),
+      low_(std::size_t(blocks_) * dims_),
+      high_(low_.size()),
       settled_(static_cast<std::size_t>(count_) * size) {
   for (int p = 0; p < panels; ++p) {
     recent_columns_[p].resize(static_cast<std::size_t>(count_) * lanes);
     recent_inputs_[p].resize(std::size_t(dims_) * lanes);
     recent_settled_[p].resize(std::size_t(size_) * lanes);
   }
+  for (int block = 0; block < blocks_; ++block)
+    enclose(block_inputs(block), dims_, used(block), low_.data() + block * dims_, high_.data() + block * dims_);
   start();
 }
 
@@ -38,6 +51,8 @@ GreedyBasis::Lanes GreedyBasis::make_lanes() const {
   made.columns.resize(static_cast<std::size_t>(count_) * lanes);
   made.settled.resize(std::size_t(size_) * lanes);
   made.recent.resize(most_recent * lanes);
+  made.low.resize(static_cast<std::size_t>(dims_));
+  made.high.resize(static_cast<std::size_t>(dims_));
   return made;
 }
 
@@ -71,6 +86,17 @@ void GreedyBasis::load(const Eigen::Index* samples, int count, Lanes& to) const 
     for (int d = 0; d < dims_; ++d) to.inputs[d * lanes + lane] = inputs[d * lanes];
     for (int t = 0; t < settled_count_; ++t) to.settled[t * lanes + lane] = settled_[i * size_ + t];
   }
+  enclose(to.inputs.data(), dims_, count, to.low.data(), to.high.data());
+}
+
+bool GreedyBasis::far_from(const Lanes& of, int block) const {
+  const double *low = low_.data() + block * dims_, *high = high_.data() + block * dims_;
+  double square = 0;
+  for (int d = 0; d < dims_; ++d) {
+    const double gap = std::max({0.0, low[d] - of.high[d], of.low[d] - high[d]});
+    square += gap * gap;
+  }
+  return square > far_square;
 }
 
 void GreedyBasis::form_columns(int first_block, int last_block, Lanes& of) const {
@@ -84,14 +110,16 @@ void GreedyBasis::recent_columns(Lanes& of) const {
   std::array<double, block_size> near;
   const int used_panels = (recent_count_ + lanes - 1) / lanes;
   std::ranges::fill(of.recent, 0.0);
-  for (int first = 0; first < blocks_; first += chunk) {
-    const int last = std::min(first + chunk, blocks_);
-    form_columns(first, last, of);
-    const std::size_t at = std::size_t(first) * block_size;
-    const auto depth = static_cast<int>(std::min<Eigen::Index>(chunk * lanes, count_ - first * lanes));
+  for (int block = 0; block < blocks_; ++block) {
+    const std::size_t at = std::size_t(block) * block_size;
+    if (far_from(of, block)) {
+      std::fill_n(of.columns.begin() + at, used(block) * lanes, 0.0);
+      continue;
+    }
+    form_columns(block, block + 1, of);
     for (int p = 0; p < used_panels; ++p)
       kernels_.subtract(of.recent.data() + p * block_size, of.columns.data() + at, recent_columns_[p].data() + at,
-                        depth);
+                        used(block));
   }
   for (int p = 0; p < used_panels; ++p) {
     double* block = of.recent.data() + p * block_size;

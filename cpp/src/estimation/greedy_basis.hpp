@@ -22,6 +22,7 @@ class GreedyBasis {
     std::array<double, lanes> gain{}, schur{}, residual{};  // schur: A_ii - w_i'w_i, residual: b_i - w_i'L^-1 b_S
     std::vector<double> inputs, columns;                    // (dims, 32); of K, (N, 32)
     std::vector<double> settled, recent;                    // parts of w: (size, 32), (96, 32)
+    std::vector<double> low, high;                          // the box around the inputs, (dims,)
   };
 
   // `size`: the most samples that will be selected.
@@ -39,6 +40,7 @@ class GreedyBasis {
   void load(const Eigen::Index* samples, int count, Lanes& lanes) const;
   void form_columns(int first_block, int last_block, Lanes& lanes) const;
   void start();
+  bool far_from(const Lanes& lanes, int block) const;
   void recent_columns(Lanes& lanes) const;
   void eliminate(Lanes& lanes) const;
   void settle();
@@ -53,6 +55,7 @@ class GreedyBasis {
   Eigen::VectorXd actions_;
   std::vector<double> inputs_;                       // scaled, blocks of (dims, 32)
   std::vector<double> diagonal_, schur_, residual_;  // (N,): A_ii; schur and residual after what is settled
+  std::vector<double> low_, high_;                   // the box around each block's inputs, (blocks, dims)
   std::vector<double> settled_;                      // (N, size)
   // of the recent samples, in panels of 32: columns of K (N, 32), inputs (dims, 32), the settled part of w (size, 32)
   std::array<std::vector<double>, panels> recent_columns_, recent_inputs_, recent_settled_;

@@ -1,11 +1,23 @@
 #include "lfdcore/estimation/intention_filter.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <utility>
 
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
+namespace {
+
+// A belief that collapses in one update may be left with a variance below 0 by rounding; there is none.
+GoalMatrix without_negative_variances(const GoalMatrix& covariance) {
+  const Eigen::SelfAdjointEigenSolver<GoalMatrix> eigen(covariance);
+  if (eigen.eigenvalues().minCoeff() >= 0) return covariance;
+  const GoalMatrix root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  return root * root.transpose();
+}
+
+}  // namespace
 
 IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process_noise)
     : model_(std::move(model)),
@@ -32,7 +44,8 @@ const Belief& IntentionFilter::update(std::span<const double> state, std::span<c
   const CrossMatrix gain = factor.solve(moments.cross_covariance.transpose()).transpose();
   belief.mean += gain * surprise;                                    // 2.2
   belief.covariance -= gain * moments.cross_covariance.transpose();  // 2.3
-  belief.covariance = (0.5 * (belief.covariance + belief.covariance.transpose())).eval();
+  const GoalMatrix symmetric = 0.5 * (belief.covariance + belief.covariance.transpose());
+  belief.covariance = without_negative_variances(symmetric);
   belief_ = belief;
   return belief_;
 }

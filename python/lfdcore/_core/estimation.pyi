@@ -1,5 +1,5 @@
 """
-Radial basis function networks, Gaussian processes, differential evolution.
+Radial basis function networks, Gaussian processes, differential evolution, intention.
 """
 
 from __future__ import annotations
@@ -9,17 +9,24 @@ import numpy.typing
 import typing
 
 __all__: list[str] = [
+    "ActionKernel",
+    "ActionModel",
+    "ActionMoments",
+    "Belief",
     "DifferentialEvolutionConfig",
     "DifferentialEvolutionResult",
     "GaussianMoments",
     "GaussianProcess",
     "GaussianProcessLikelihood",
+    "IntentionFilter",
     "Kernel",
     "RbfNetwork",
     "RbfNetworkBank",
     "RbfNetworkConfig",
     "differential_evolution",
     "fit_rbf_network",
+    "goal_likelihoods",
+    "select_subset",
 ]
 
 class RbfNetworkConfig:
@@ -309,6 +316,183 @@ class GaussianProcessLikelihood:
         D
         """
 
+class ActionKernel:
+    """
+    k((x, g), (x', g')) = a^2 exp(-r^2 / 2) over state and goal (C.5), and the action's noise: one action's. H is the squares of the length-scales (ERRATA 3).
+    """
+
+    def __init__(
+        self,
+        amplitude: float,
+        state_lengthscales: numpy.typing.ArrayLike,
+        goal_lengthscales: numpy.typing.ArrayLike,
+        noise: float,
+    ) -> None:
+        """
+        amplitude and noise: standard deviations in the action's unit; state_lengthscales (Dx,) in the state's units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise >= 0, all others > 0, all finite.
+        """
+
+    @property
+    def amplitude(self) -> float: ...
+    @property
+    def goal_lengthscales(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dg,) [m], a view
+        """
+
+    @property
+    def noise(self) -> float: ...
+    @property
+    def state_lengthscales(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dx,), a view
+        """
+
+class Belief:
+    """
+    A Gaussian over the goal.
+    """
+
+    def __init__(self, mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike) -> None:
+        """
+        mean (Dg,) [m], covariance (Dg, Dg) [m^2], may be singular. ValueError unless finite, symmetric and positive semidefinite (up to 1e-9 of the trace).
+        """
+
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dg, Dg) [m^2], a copy
+        """
+
+    @property
+    def mean(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dg,) [m], a copy
+        """
+
+class ActionMoments:
+    """
+    Joint moments of the action and the goal (Sec. 2.3).
+    """
+
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        G (Da, Da), a copy: of y, so with the noise (ERRATA 2)
+        """
+
+    @property
+    def cross_covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        C (Dg, Da), a copy: of the goal with y
+        """
+
+    @property
+    def mean(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m (Da,), a copy
+        """
+
+class ActionModel:
+    """
+    What a driver does on the way to a goal: Gaussian processes p(y_a | goal, state), conditioned once (Sec. 2.3, ERRATA 1-4 and 14), then asked as often as wanted, from any thread.
+    """
+
+    def __init__(
+        self,
+        states: numpy.typing.ArrayLike,
+        goals: numpy.typing.ArrayLike,
+        actions: numpy.typing.ArrayLike,
+        kernels: collections.abc.Sequence[ActionKernel],
+        subset: numpy.typing.ArrayLike | None = None,
+        projected: bool = True,
+    ) -> None:
+        """
+        states (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. subset (S,) integers: the samples to use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of the subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. Holds 4 N^2 bytes an action, 4 S^2 with a subset. ValueError for data that do not fit or are not finite, indices out of range or named twice, a covariance that is not positive definite.
+        """
+
+    def __len__(self) -> int: ...
+    def moments(
+        self, state: numpy.typing.ArrayLike, mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike
+    ) -> ActionMoments:
+        """
+        Exact moments at state (Dx,) for a goal ~ N(mean (Dg,), covariance (Dg, Dg)), which may be singular. ValueError for other sizes and what is not finite.
+        """
+
+    @property
+    def actions(self) -> int:
+        """
+        Da
+        """
+
+    @property
+    def goal_dimensions(self) -> int:
+        """
+        Dg
+        """
+
+    @property
+    def kernels(self) -> list[ActionKernel]: ...
+    @property
+    def nbytes(self) -> int:
+        """
+        memory held
+        """
+
+    @property
+    def shared_goals(self) -> int:
+        """
+        goals that differ, if few enough for sums over pairs of goals in place of pairs of samples (about 8 N >= L^2), else 0
+        """
+
+    @property
+    def size(self) -> int:
+        """
+        samples asked for: N, or the subset's
+        """
+
+    @property
+    def state_dimensions(self) -> int:
+        """
+        Dx
+        """
+
+class IntentionFilter:
+    """
+    The belief over the driver's goal, updated action by action (2.2-2.3).
+    """
+
+    def __init__(
+        self,
+        model: ActionModel,
+        mean: numpy.typing.ArrayLike,
+        covariance: numpy.typing.ArrayLike,
+        process_noise: float = 0.0,
+    ) -> None:
+        """
+        Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's diagonal before every update: 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for a prior that is none of the model's goals and a negative process_noise.
+        """
+
+    def reset(self) -> None:
+        """
+        Back to the prior.
+        """
+
+    def update(self, state: numpy.typing.ArrayLike, action: numpy.typing.ArrayLike) -> Belief:
+        """
+        The action (Da,) taken at state (Dx,) -> the new belief. ValueError, and the belief stays as it was, for other sizes, for what is not finite and if the action's covariance is singular (kernels without noise).
+        """
+
+    @property
+    def belief(self) -> Belief: ...
+    @property
+    def model(self) -> ActionModel: ...
+    @property
+    def process_noise(self) -> float:
+        """
+        [m^2]
+        """
+
 def differential_evolution(
     objective: collections.abc.Callable[[numpy.typing.NDArray[numpy.float64]], float],
     bounds: numpy.typing.ArrayLike,
@@ -323,4 +507,24 @@ def fit_rbf_network(
 ) -> RbfNetwork:
     """
     Alg. 5 (ERRATA 45): inputs (N, D), targets (N,) -> RbfNetwork. The next centre is the input of the largest squared residual; weights by least squares. ValueError for no or non-finite data.
+    """
+
+def goal_likelihoods(
+    mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike, goals: numpy.typing.ArrayLike
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Goals (L, Dg) -> (L,) likelihoods that sum to 1: softmax of -d^2 / 2, d the Mahalanobis distance (ERRATA F1). Standard deviations below 1e-6 of the largest, or 1 nm, count as that: a belief without spread gives all to the nearest goal. ValueError for no goals and what is not finite.
+    """
+
+def select_subset(
+    states: numpy.typing.ArrayLike,
+    goals: numpy.typing.ArrayLike,
+    actions: numpy.typing.ArrayLike,
+    kernels: collections.abc.Sequence[ActionKernel],
+    size: int,
+    candidates: int = 59,
+    seed: int = 1,
+) -> numpy.typing.NDArray[numpy.int64]:
+    """
+    Alg. 1 (ERRATA 11): (size,) int64 indices in the order of selection. In each round, of `candidates` samples drawn from those left, the one that lowers sum_a Q_a / var(y_a) most; ties to the smallest index; one that the selected span to 1e-10 gains nothing (ERRATA 13). Needs some 8 N (size + 96) bytes an action. ValueError for a size that is not in [1, N], candidates < 1, and as ActionModel.
     """

@@ -71,6 +71,13 @@ def test_selection_is_the_naive_one(count: int, size: int, candidates: int, seed
     assert ours.tolist() == naive(samples, size, candidates, seed)
 
 
+def test_selection_is_the_naive_one_where_samples_are_too_far_apart_to_matter() -> None:
+    states, goals, actions = data(150, 11)
+    states[:, 0] = np.linspace(0, 60, 150)  # blocks of 32 samples leave most others unread
+    samples = states, goals, actions
+    assert select_subset(*samples, KERNELS, 12, 20).tolist() == naive(samples, 12, 20, 1)
+
+
 def test_duplicates_are_taken_last() -> None:
     """ERRATA 13: one that the selected span gains nothing."""
     samples = tuple(np.vstack([part, part]) for part in data(12, 5))
