@@ -33,12 +33,12 @@ from lfdcore.wheelchair.assistants import Surroundings
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmap_planner import Heat, HeatmapPlanner, HeatmapPlannerConfig, squashed
+from lfdcore.wheelchair.heatmap_planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.planner import PlannedPath, Planner
 from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.window import RESOLUTION
+from lfdcore.wheelchair.window import RESOLUTION, squashed
 
 if TYPE_CHECKING:
     from lfdcore.training.heatmap_net import EpochLoss

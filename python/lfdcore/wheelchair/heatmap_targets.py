@@ -32,7 +32,7 @@ from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import local_grid
 from lfdcore.wheelchair.beams import WINDOW
-from lfdcore.wheelchair.window import CELLS, RESOLUTION
+from lfdcore.wheelchair.window import CELLS, RESOLUTION, squashed
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -290,12 +290,6 @@ def draw_target(free: Mask, points: Floats, run: NDArray[np.int_], config: Heatm
     paths, ends = (_dilated(m, r) for m, r in ((paths, config.path_radius), (ends, config.end_radius)))
     image = np.where(ends > 0, config.end_value, config.path_value * paths).astype(np.float32)
     return squashed(_smoothed(image, config.sigma))
-
-
-def squashed(heatmap: Heatmap) -> Heatmap:
-    """Divided by its maximum (F12); an all-zero heatmap stays."""
-    most = heatmap.max(initial=0.0)
-    return np.asarray(heatmap / most if most > 0 else heatmap, np.float32)
 
 
 def _portions(

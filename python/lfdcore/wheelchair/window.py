@@ -27,3 +27,17 @@ def key_centres(keys: NDArray[np.int32]) -> NDArray[np.float64]:
 def cell_centres() -> NDArray[np.float64]:
     """(100, 100, 2) [m]: centres of all cells, indexed [iy, ix]."""
     return key_centres(np.arange(CELLS * CELLS, dtype=np.int32)).reshape(CELLS, CELLS, 2)
+
+
+def values_at(image: NDArray[np.floating], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An image (100, 100) of the window at points (N, 2) [m] in base_link -> (N,): their cells' values, 0 outside."""
+    cells = np.floor((points + WINDOW) / RESOLUTION)
+    inside = ((cells >= 0) & (cells < CELLS)).all(axis=1)
+    ix, iy = np.where(inside[:, None], cells, 0).astype(int).T
+    return np.where(inside, image[iy, ix], 0.0).astype(np.float64)
+
+
+def squashed(heatmap: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Divided by its maximum (F12); an all-zero heatmap stays."""
+    most = heatmap.max(initial=np.float32(0))
+    return np.asarray(heatmap / most if most > 0 else heatmap, np.float32)
