@@ -52,7 +52,7 @@ class HeatmapPlannerConfig:
 
     @staticmethod
     def thesis() -> HeatmapPlannerConfig:
-        """The printed loop: gamma .9, K - 1 = 99 sweeps, soft obstacles, inflated, compliance as the user heatmap has it
+        """The printed loop: gamma .9, K - 1 = 99 sweeps, soft obstacles, inflated, compliance by the user heatmap
         (Sec. 4.5), no footprint."""
         return HeatmapPlannerConfig(
             driver_sd=0.0,

@@ -32,9 +32,11 @@ def cell_centres() -> NDArray[np.float64]:
 def values_at(image: NDArray[np.floating], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """An image (100, 100) of the window at points (N, 2) [m] in base_link -> (N,): their cells' values, 0 outside."""
     cells = np.floor((points + WINDOW) / RESOLUTION)
-    inside = ((cells >= 0) & (cells < CELLS)).all(axis=1)
-    ix, iy = np.where(inside[:, None], cells, 0).astype(int).T
-    return np.where(inside, image[iy, ix], 0.0).astype(np.float64)
+    inside = np.flatnonzero(((cells >= 0) & (cells < CELLS)).all(axis=1))
+    ix, iy = cells[inside].astype(int).T
+    values = np.zeros(len(points))
+    values[inside] = image[iy, ix]
+    return values
 
 
 def squashed(heatmap: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -49,6 +49,7 @@ def test_the_table_names_runs_frames_and_seed_and_gives_times_as_ratios() -> Non
     assert table.rows[0][3].startswith("0.695+-0.019\n[") and "thesis 0.67" in table.rows[0][3]
     times = table.rows[-1]
     assert times[1].startswith("0.3+-") and times[2].startswith("0.7+-") and times[3].startswith("1\n")
+    assert "(driver_sd): 0 rad" in table.note
     assert table.rows[0][4] == "0.031"  # six pairs of one sign: 2 / 2^6
 
 

@@ -93,7 +93,7 @@ def test_compliance_falls_with_the_angle_from_the_stick(planner: HeatmapPlanner)
 
 
 def test_the_printed_compliance_is_the_user_heatmaps_value_at_the_control_point(heatmap_model: Path) -> None:
-    """ERRATA 29: it holds the distance filter, so that even where the stick points a look-ahead on it stays under .9."""
+    """ERRATA 29: it holds the distance filter, so even where the stick points a look-ahead on it stays under .9."""
     printed = HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig.thesis(), ChairGeometry())
     stick, observation = np.array([0.8, 0.1]), seen((0.8, 0.1))
     heat = printed.heat(observation, around(observation)[0])
