@@ -21,7 +21,12 @@ from lfdcore.geometry import MotionLimits, Twist2, wrap_angle
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
-from lfdcore.wheelchair.joystick_model import JoystickAdapter, JoystickAdapterConfig, JoystickBins
+from lfdcore.wheelchair.joystick_model import (
+    JoystickAdapter,
+    JoystickAdapterConfig,
+    JoystickBins,
+    JoystickModelConfig,
+)
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 Floats = NDArray[np.float64]
@@ -150,7 +155,7 @@ class AdaptiveAssistant:
     def resume_driver(self, path: str | os.PathLike[str]) -> None:
         """Goes on where `save_driver` was called. ModelError as JoystickAdapter.resume; then nothing is changed."""
         self.adapter.resume(path)
-        self._offset.resume(*_learned(self.adapter.own))
+        self._offset.resume(*_learned(self.adapter.own, self.adapter.trained.config))
         self.planner.joystick = self.adapter.model
 
     def update(self, observation: Observation) -> Assistance:
@@ -190,11 +195,11 @@ def _turned(joystick: Floats, angle: float) -> Floats:
     return np.asarray(turned / max(1.0, float(np.abs(turned).max())))
 
 
-def _learned(own: JoystickBins) -> tuple[float, float]:
+def _learned(own: JoystickBins, config: JoystickModelConfig) -> tuple[float, float]:
     """The turn [rad] that a driver's bins hold on average, and of how many pairs."""
     pairs = float(own.count.sum())
     if pairs == 0:
         return 0.0, 0.0
-    wanted = own.raw + own.target
+    wanted = own.wanted(config)
     turns = wrap_angle(np.arctan2(wanted[:, 1], wanted[:, 0]) - np.arctan2(own.raw[:, 1], own.raw[:, 0]))
     return float((own.count * turns).sum() / pairs), pairs

@@ -124,6 +124,10 @@ class JoystickBins:
         spread += theirs * (other.variance + (other.target - target) ** 2)
         return JoystickBins(count, ours * self.raw + theirs * other.raw, target, spread)
 
+    def wanted(self, config: JoystickModelConfig) -> Floats:
+        """(B, 2): each bin's mean wanted joystick; (0, 0) without data."""
+        return self.raw + self.target if config.prior == "identity" else self.target
+
     def tensors(self) -> Tensors:
         """The arrays to store."""
         return {name: np.asarray(getattr(self, name)) for name in ("count", "raw", "target", "variance")}
