@@ -106,6 +106,16 @@ def test_the_same_seed_gives_the_same_parameters() -> None:
     assert first.noise == second.noise
 
 
+def test_the_moments_of_y_are_those_of_f_with_the_noise_added() -> None:
+    random = np.random.default_rng(4)
+    X, y = random.normal(size=(30, 2)), random.normal(size=30)
+    process = GaussianProcess(X, y, np.zeros(30), Kernel(1.0, [0.7, 0.7]), 0.3)
+    for queries in (random.normal(size=(2, 2)), random.normal(size=(40, 2))):
+        of_f, of_y = process.predict(queries), process.predict(queries, with_noise=True)
+        np.testing.assert_array_equal(of_y.mean, of_f.mean)
+        np.testing.assert_allclose(of_y.variance, of_f.variance + 0.09, rtol=1e-12)
+
+
 def test_precise_samples_count_more_than_noisy_ones() -> None:
     X = np.array([[0.0], [0.0]])
     process = GaussianProcess(X, [0.0, 1.0], [1.0, 0.01], Kernel(10.0, [1.0]), 0.0)
