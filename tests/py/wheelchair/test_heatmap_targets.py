@@ -162,6 +162,10 @@ def test_the_own_way_is_the_one_after_the_scan_and_no_later_visit():
     )
     assert own[:40].max() < 0.02  # what the Gaussian leaves
     assert place[:40].max() > 0.4  # the last leg, which bends to the right
+    pairs = heatmap_pairs([log], HeatmapTargetConfig(paths="own", spacing=0.0))
+    last = pairs.target[pairs.scan == 105][0].astype(float)  # 10.3 s: back at the start, about to bend to the right
+    assert last[:40].max() > 0.4
+    assert last[50, 80:].max() < 0.02  # where the first leg went
 
 
 @pytest.mark.parametrize("paths", ["place", "own"])
