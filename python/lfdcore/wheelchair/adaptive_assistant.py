@@ -21,7 +21,7 @@ from lfdcore.geometry import MotionLimits, Twist2, wrap_angle
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
-from lfdcore.wheelchair.joystick_model import JoystickAdapter, JoystickAdapterConfig, JoystickBins
+from lfdcore.wheelchair.joystick_model import JoystickAdapter, JoystickAdapterConfig, JoystickBins, JoystickModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 Floats = NDArray[np.float64]
@@ -48,8 +48,7 @@ class AdaptationConfig:
     """Ticks after which one counts e times less for the offset: 2 minutes at 10 Hz."""
     largest_turn: float = 0.6
     """A driver is thought to point at most so far beside what is meant."""
-    adapter: JoystickAdapterConfig = field(default_factory=lambda: JoystickAdapterConfig(memory=100.0))
-    """Of the bins, whose pairs have been smoothed before."""
+    adapter: JoystickAdapterConfig = field(default_factory=JoystickAdapterConfig)
 
     def __post_init__(self) -> None:
         for name in ("steepest", "largest", "scatter", "chance", "corrected_share", "largest_turn"):
@@ -160,8 +159,14 @@ class AdaptiveAssistant:
         if said.mode not in ("rest", "stale"):
             if self._followed(said):
                 self._judge(joystick, _stick_angle(said.command, self.chair.limits))
-            self.planner.joystick = self.adapter.add(joystick, _turned(joystick, self._offset.turn))
+            self.planner.joystick = self._learn(joystick)
         return said
+
+    def _learn(self, joystick: Floats) -> JoystickModel:
+        """A pair more, and all earlier ones as they are understood now."""
+        turn = self._offset.turn
+        self.adapter.relabel(_turned(self.adapter.own.raw, turn))
+        return self.adapter.add(joystick, _turned(joystick, turn))
 
     def _followed(self, said: Assistance) -> bool:
         """Along a path, and not where the supervisor or standstill decides."""
@@ -184,10 +189,10 @@ def _stick_angle(command: Twist2, limits: MotionLimits) -> float:
 
 
 def _turned(joystick: Floats, angle: float) -> Floats:
-    """The stick turned to the left, within its end stops."""
+    """Sticks (..., 2) turned to the left, within their end stops."""
     c, s = math.cos(angle), math.sin(angle)
-    turned = np.array([c * joystick[0] - s * joystick[1], s * joystick[0] + c * joystick[1]])
-    return np.asarray(turned / max(1.0, float(np.abs(turned).max())))
+    turned = joystick @ np.array([[c, s], [-s, c]])
+    return np.asarray(turned / np.maximum(1.0, np.abs(turned).max(axis=-1, keepdims=True)))
 
 
 def _learned(own: JoystickBins) -> tuple[float, float]:
