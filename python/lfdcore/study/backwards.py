@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 from lfdcore.simulation import LidarConfig
 from lfdcore.study.courses import Course, hall
 from lfdcore.study.drivers import AbleConfig, Driver, ImpairedConfig, able_population, population
-from lfdcore.study.driving import StudyModels, make_assistant
+from lfdcore.study.driving import StudyModels, make_assistant, require_once
 from lfdcore.study.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
 from lfdcore.study.runner import Job, RunConfig, run_jobs
 from lfdcore.study.trace import DriveTrace
@@ -28,11 +28,20 @@ DRIVERS = ("able", "impaired")
 class BackwardsStudy:
     """Driver k of each population drives the hall backwards in every arm with seed `seed` + k."""
 
-    heatmaps: Path
+    heatmaps: Path | None
+    """File of the model; None where no arm needs one"""
     arms: tuple[str, ...] = ARMS
     kinds: tuple[str, ...] = DRIVERS
     drivers: int = 10
     seed: int = 1
+
+
+def require_arms(arms: Sequence[str]) -> None:
+    """ValueError without an arm, for one that is unknown or there twice."""
+    for arm in arms:
+        if arm not in ARMS:
+            raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS)}")
+    require_once("assistant", arms)
 
 
 def backwards_course() -> Course:
@@ -43,9 +52,10 @@ def backwards_course() -> Course:
 def run_backwards_study(
     study: BackwardsStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> tuple[DriveTrace, ...]:
-    """One run a kind of driver, arm and driver, in that order. ValueError for an unknown arm or kind; ModelError for a
-    file that holds no heatmaps."""
+    """One run a kind of driver, arm and driver, in that order. ValueError for an unknown arm or kind, or without a
+    model that an arm needs; ModelError for a file that holds no heatmaps."""
     models, run, course = StudyModels(heatmaps=study.heatmaps), RunConfig(lidar=AROUND), backwards_course()
+    require_arms(study.arms)
     for arm in study.arms:
         _assistant(arm, models, run)  # refused before anything is driven
     jobs = [
