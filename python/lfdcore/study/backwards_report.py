@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lfdcore.study.backwards import AROUND, backwards_course
+from lfdcore.study.metrics import driving_metrics
 from lfdcore.study.plots import arm_name, course_figure, png
 from lfdcore.study.report import Picture, Section, write_figures, write_report
-from lfdcore.study.statistics import poisson_rate, proportion, summarise
+from lfdcore.study.statistics import Summary, poisson_rate, proportion, summarise, summarise_bounded
 from lfdcore.study.tables import Row, Table
 from lfdcore.study.trace import DriveTrace
 
@@ -29,6 +30,7 @@ def run_rows(traces: Sequence[DriveTrace]) -> list[dict[str, Any]]:
             "outcome": trace.outcome,
             "collisions": int(trace.collision.sum()),
             "time": float(trace.stamp[-1]),
+            "angular_jerk": driving_metrics(trace).angular_jerk,
             "along_path": float((trace.mode == "path").mean()),
             "rolling_back": float((trace.twist[:, 0] < 0).mean()),
         }
@@ -59,12 +61,14 @@ def backwards_table(traces: Sequence[DriveTrace]) -> Table:
         "completed",
         "contacts\n[a run]",
         "time of the\ncompleted [s]",
+        "angular jerk\n[rad/s^3]",
         "ticks along\na path",
         "ticks\nrolling back",
     )
     note = (
         f"{origin(traces)} They look over the shoulder and steer the chair's back. In brackets 95 % intervals: of the "
-        "share Wilson's, of contacts a run Garwood's (Poisson), of means over runs Student's."
+        "share Wilson's, of contacts a run Garwood's (Poisson), of ticks a bootstrap's, of other means over runs "
+        "Student's."
     )
     return Table(TITLE, header, tuple(_row(*key, mine) for key, mine in _groups(traces).items()), note)
 
@@ -80,14 +84,14 @@ def _row(driver: str, arm: str, traces: Sequence[DriveTrace]) -> Row:
         str(n),
         f"{arrived} of {n}\n{share:.0f} % [{low:.0f}, {high:.0f}]",
         f"{contacts} in {n}\n[{rate_low:.2f}, {rate_high:.2f}]",
-        _mean([float(trace.stamp[-1]) for trace in traces if trace.completed], 0),
-        _mean([float((trace.mode == "path").mean()) for trace in traces], 2),
-        _mean([float(np.mean(trace.twist[:, 0] < 0)) for trace in traces], 2),
+        _mean(summarise([float(trace.stamp[-1]) for trace in traces if trace.completed]), 0),
+        _mean(summarise([driving_metrics(trace).angular_jerk for trace in traces]), 2),
+        _mean(summarise_bounded([float((trace.mode == "path").mean()) for trace in traces]), 2),
+        _mean(summarise_bounded([float(np.mean(trace.twist[:, 0] < 0)) for trace in traces]), 2),
     )
 
 
-def _mean(values: Sequence[float], digits: int) -> str:
-    s = summarise(values)
+def _mean(s: Summary, digits: int) -> str:
     if s.n == 0:
         return "-"
     return f"{s.mean:.{digits}f}" + (f"\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]" if s.n > 1 else "")

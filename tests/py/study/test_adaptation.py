@@ -116,6 +116,17 @@ def test_what_chance_explains_is_no_bias() -> None:
     assert closed_loop(0.3, 10, 0.22).turn == 0.0  # too soon
 
 
+def test_earlier_pairs_are_understood_anew(model: HeatmapModel) -> None:
+    """A model kept after a minute must not hold what was believed before."""
+    assistant = AdaptiveAssistant(model)
+    drive(assistant, 300)
+    own, turn = assistant.adapter.own, assistant.turn
+    there = own.count > 0.5
+    wanted, raw = (own.raw + own.target)[there], own.raw[there]
+    angles = np.arctan2(wanted[:, 1], wanted[:, 0]) - np.arctan2(raw[:, 1], raw[:, 0])
+    assert np.abs(np.angle(np.exp(1j * angles)) - turn).max() < 0.05  # the last pair came after the last word
+
+
 def test_the_turn_is_bounded_whatever_is_followed() -> None:
     offset = SteeringOffset(AdaptationConfig())
     for _ in range(2000):
