@@ -33,9 +33,12 @@ def model(heatmap_model: Path) -> HeatmapModel:
 
 @pytest.fixture(scope="module")
 def runs(heatmap_model: Path) -> tuple[AdaptationRun, ...]:
-    """Of the whole study one driver of each kind, with a network that has seen little and corrects little."""
+    """Of the whole study one driver of each kind, with a network that has seen little and corrects little, so that less
+    is put down to chance."""
+    config = AdaptationConfig(chance=0.4)
     return run_adaptation_study(
-        AdaptationStudy(courses=(office(),), model=heatmap_model, biases=(0.0, -0.3), drivers=1), processes=1
+        AdaptationStudy(courses=(office(),), model=heatmap_model, biases=(0.0, -0.3), drivers=1, adaptation=config),
+        processes=1,
     )
 
 
