@@ -55,8 +55,7 @@ def origin(traces: Sequence[DriveTrace]) -> str:
 def backwards_table(traces: Sequence[DriveTrace]) -> Table:
     """A row a kind of driver and arm."""
     header = (
-        "driver",
-        "assistant",
+        "driver,\nassistant",
         "runs",
         "completed",
         "contacts\n[a run]",
@@ -79,8 +78,7 @@ def _row(driver: str, arm: str, traces: Sequence[DriveTrace]) -> Row:
     share, low, high = (100 * value for value in proportion(arrived, n))
     _, rate_low, rate_high = poisson_rate(contacts, n)
     return (
-        driver,
-        arm_name(arm),
+        f"{driver}\n{arm_name(arm)}",
         str(n),
         f"{arrived} of {n}\n{share:.0f} % [{low:.0f}, {high:.0f}]",
         f"{contacts} in {n}\n[{rate_low:.2f}, {rate_high:.2f}]",
