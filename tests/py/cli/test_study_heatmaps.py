@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from lfdcore.cli import main as command_line
+from lfdcore.cli.study_heatmaps import heatmaps_or_learned
 
 
 def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
@@ -40,15 +41,27 @@ def test_adaptation_gives_a_row_a_bias_a_picture_and_what_repeats_it(heatmap_mod
 
 
 def test_backwards_without_the_heatmaps_arm_needs_no_model(tmp_path, monkeypatch, capsys):
-    words = ["--assistants", "none,supervisor", "--drivers", 1, "--processes", 1, "--seed", 3]
+    words = ["--assistants", "none", "--drivers", 1, "--processes", 1, "--seed", 3]
     code, out, err = run(monkeypatch, capsys, "study", "backwards", "-o", tmp_path, *words)
     assert code == 0, err
-    assert "impaired, reversing" in out and "supervisor only" in out
+    assert "impaired, reversing" in out and "unassisted" in out
     assert "seeds 3..3" in out
     rows = json.loads((tmp_path / "figures.json").read_text())
-    assert [row["driver"] for row in rows] == ["reversing", "reversing", *["impaired, reversing"] * 2]
+    assert [row["driver"] for row in rows] == ["reversing", "impaired, reversing"]
     assert all(row["rolling_back"] > 0.5 for row in rows)
     assert (tmp_path / "report.html").read_text().count("data:image/png") == 2
+
+
+def test_a_model_that_is_not_given_is_learned_in_the_folder_with_a_bar_a_stage(tmp_path, monkeypatch):
+    def learn(folder, seed, progress, processes):
+        progress("demonstrate", 72, 72)
+        return folder / f"of-seed-{seed}.safetensors"
+
+    monkeypatch.setattr("lfdcore.study.heatmap_demonstrations.learn_heatmaps_from_demonstrations", learn)
+    told = []
+    learned = heatmaps_or_learned(None, tmp_path / "new", 4, lambda *what: told.append(what), None)
+    assert learned == tmp_path / "new" / "of-seed-4.safetensors" and learned.parent.is_dir()
+    assert told == [("heatmaps: demonstrate", 72, 72)]
 
 
 @pytest.mark.parametrize(
