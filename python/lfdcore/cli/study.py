@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.study_adaptation import study_adaptation
+from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:
@@ -174,3 +176,5 @@ def study_driving(
 
 
 app.command("learning-curve")(study_learning_curve)
+app.command("adaptation")(study_adaptation)
+app.command("backwards")(study_backwards)

@@ -264,6 +264,22 @@ def test_one_pair_at_a_time_gives_the_statistics_of_all_at_once(trained: Joystic
         assert adapter.model.bins.tensors()[name] == pytest.approx(values, abs=1e-6)
 
 
+def test_relabelled_pairs_are_as_if_they_had_been_given_so(trained: JoystickModel) -> None:
+    raw, _ = drive(5, 300, 0.0)
+    once, anew = JoystickAdapter(trained), JoystickAdapter(trained)
+    for x in raw:
+        once.add(x, x)
+        anew.add(x, np.clip(turned(x[None], 0.3)[0], -1, 1))
+    anew.relabel(anew.own.raw)
+    np.testing.assert_allclose(anew.own.target, once.own.target, atol=1e-12)
+    assert not anew.own.target[anew.own.count == 0].any()
+    for bad in (np.full((100, 2), np.nan), np.zeros((99, 2))):
+        before = anew.own.target.copy()
+        with pytest.raises(ValueError, match="wanted must be finite"):
+            anew.relabel(bad)
+        np.testing.assert_array_equal(anew.own.target, before)
+
+
 def test_reset_and_resume_go_back_to_the_trained_model_and_to_the_driver(
     tmp_path: Path, trained: JoystickModel
 ) -> None:
