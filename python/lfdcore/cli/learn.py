@@ -16,6 +16,7 @@ from lfdcore.cli.common import (
     PresetOption,
     print_json,
     progress_bar,
+    require_each_once,
 )
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def learn_drive_command(
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
 
+    require_each_once(logs)
     _require_writable(output, logs)
     if method is not Method.primitives:
         _require_training()

@@ -208,11 +208,10 @@ def test_a_place_without_a_pose_is_a_data_error(pose):
         heatmap_pairs([DriveLog(**{**vars(log), "metadata": {"place": "L", "T_place_odom": pose}})])
 
 
-@pytest.mark.parametrize(("scale", "way"), [(1e5, r"1\S+e.06"), (1e300, "inf")])
-def test_an_odometry_that_is_no_vehicles_is_refused_before_it_fills_the_memory(scale, way):
+def test_an_odometry_that_is_no_vehicles_is_refused_before_it_fills_the_memory():
     log = around_the_corner()
-    with pytest.raises(DataError, match=rf"odometry of log 'corridor' is {way} m long, must be at most 100000 m"):
-        heatmap_pairs([DriveLog(**{**vars(log), "pose": log.pose * [scale, scale, 1]})])
+    with pytest.raises(DataError, match=r"odometry of log 'corridor' is 1\S+e.06 m long, must be at most 100000 m"):
+        heatmap_pairs([DriveLog(**{**vars(log), "pose": log.pose * [1e5, 1e5, 1]})])
 
 
 @pytest.mark.parametrize(
