@@ -43,6 +43,8 @@ def write_tensor_file(
     try:
         part.write_bytes(data)
         os.replace(part, target)
+    except OSError as failed:  # a full disk names no file, others name the part
+        raise OSError(failed.errno, failed.strerror, str(target)) from failed
     finally:
         part.unlink(missing_ok=True)
 
