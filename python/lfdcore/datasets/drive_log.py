@@ -204,7 +204,7 @@ class DriveLog:
         path = Path(path)
         if path.exists() and not path.is_file():
             raise ValueError(f"path is {path}, exists and is no regular file")
-        part = path.with_name(path.name + ".part")
+        part = path.with_name(f"{path.name}.{os.getpid()}.part")  # of this process: another may write there too
         try:
             with DriveLogWriter(part, T_base_laser=self.T_base_laser, name=self.name, metadata=self.metadata) as writer:
                 for _, _, write in sorted(self._records(writer), key=lambda record: record[:2]):

@@ -39,7 +39,7 @@ def write_tensor_file(
     target = Path(path)
     if target.exists() and not target.is_file():
         raise ValueError(f"{target}: exists and is no regular file, so no model is written there")
-    part = target.with_name(target.name + ".part")
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")  # of this process: another may write there too
     try:
         part.write_bytes(data)
         os.replace(part, target)

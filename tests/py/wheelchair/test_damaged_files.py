@@ -1,6 +1,7 @@
 """Files of models with a flipped bit, a dtype that NumPy lacks, or statistics that no stick has."""
 
 import json
+import multiprocessing
 import struct
 from pathlib import Path
 
@@ -164,3 +165,22 @@ def test_a_speed_too_long_for_a_number_is_refused() -> None:
 
     with pytest.raises(DataError, match="full_deflection is"):
         full_deflection_of(Says())  # type: ignore[arg-type]
+
+
+def _write_and_read(path: Path, number: int) -> None:
+    for _ in range(50):
+        write_tensor_file(path, "any", 1, {}, {"a": np.full(5000, number)})
+        read_tensor_file(path, "any", 1)
+
+
+def test_two_processes_that_write_the_same_file_leave_a_whole_one(tmp_path: Path) -> None:
+    path, spawn = tmp_path / "both.safetensors", multiprocessing.get_context("spawn")
+    writers = [spawn.Process(target=_write_and_read, args=(path, number)) for number in (1, 2)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert [writer.exitcode for writer in writers] == [0, 0]
+    _, arrays = read_tensor_file(path, "any", 1)
+    assert len(np.unique(arrays["a"])) == 1
+    assert [*tmp_path.iterdir()] == [path]
