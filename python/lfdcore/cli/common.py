@@ -57,6 +57,15 @@ def progress_bar() -> Iterator[Progress]:
         yield bar
 
 
+def require_each_once(files: list[Path]) -> None:
+    """A log taken twice would make its figures look surer than they are. Files under two names are found too."""
+    taken: dict[Path, Path] = {}
+    for file in files:
+        before = taken.setdefault(file.resolve(), file)
+        if before is not file:
+            raise typer.BadParameter(f"{file} is given twice" + ("" if file == before else f", also as {before}"))
+
+
 def open_with_joystick(path: Path) -> DriveLog:
     """A log whose driver's input is recorded or, where it is not, inferred from the motion before each scan."""
     from lfdcore.datasets import joystick_from_motion, open_log

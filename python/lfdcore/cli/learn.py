@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +17,7 @@ from lfdcore.cli.common import (
     PresetOption,
     print_json,
     progress_bar,
+    require_each_once,
 )
 
 if TYPE_CHECKING:
@@ -59,6 +61,7 @@ def learn_drive_command(
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
 
+    require_each_once(logs)
     _require_writable(output, logs)
     if method is not Method.primitives:
         _require_training()
@@ -128,7 +131,13 @@ def _require_training() -> None:
 
 
 def _require_writable(output: Path, logs: list[Path]) -> None:
-    """The model replaces what stands at `output`: never a log that it learns from, a folder or a device."""
+    """Before minutes of learning. The model replaces what stands at `output`: never a log that it learns from, a folder
+    or a device."""
+    folder = output.parent
+    if not folder.is_dir():
+        raise ValueError(f"{output}: there is no folder {folder} to write the model to")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ValueError(f"{output}: the folder {folder} cannot be written to")
     if not output.exists():
         return
     if not output.is_file():

@@ -1,5 +1,6 @@
 """Gaussian processes against scikit-learn's, and the search of their hyper-parameters against SciPy's."""
 
+import copy
 import pickle
 import threading
 
@@ -223,3 +224,31 @@ def test_the_estimator_fits_takes_known_noise_and_survives_pickling() -> None:
     for ours, theirs_ in zip(model.predict(X, return_std=True), again.predict(X, return_std=True), strict=True):
         assert np.array_equal(ours, theirs_)
     assert model.predict([[50.0, 50.0]])[0] == pytest.approx((y + 7).mean())
+
+
+def test_numbers_whose_squares_are_none_are_refused() -> None:
+    for amplitude, lengthscale, said in (
+        (1e200, 1.0, "amplitude"),
+        (1e-320, 1.0, "amplitude"),
+        (1.0, 1e-320, "length"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            Kernel(amplitude, [lengthscale])
+    with pytest.raises(ValueError, match=r"targets must lie within .-1e150"):
+        GaussianProcess(np.zeros((2, 1)), np.array([1.0, 1e300]), np.ones(2), Kernel(1.0, [1.0]), 0.1)
+    with pytest.raises(ValueError, match="finite and rising"):
+        differential_evolution(lambda x: 1.0, np.array([[-1e308, 1e308]]))
+
+
+@pytest.mark.parametrize("answer", [None, "much", np.zeros(2)])
+def test_an_objective_that_gives_no_number_is_refused(answer: object) -> None:
+    with pytest.raises(ValueError, match="no number"):
+        differential_evolution(lambda x: answer, np.array([[0.0, 1.0]]))  # type: ignore[arg-type,return-value]
+
+
+def test_a_search_can_be_copied_and_sent_to_another_process() -> None:
+    config = HyperParameterConfig(evolution=DifferentialEvolutionConfig(population=7, tolerance=0.5, seed=2**64 - 1))
+    for other in (pickle.loads(pickle.dumps(config)), copy.deepcopy(config)):
+        names = ("population", "generations", "recombination", "mutation_low", "mutation_high")
+        for name in (*names, "tolerance", "absolute_tolerance", "seed"):
+            assert getattr(other.evolution, name) == getattr(config.evolution, name)

@@ -205,11 +205,17 @@ def test_scans_are_taken_a_spacing_of_way_apart():
     assert pairs.dropped["too near to the scan before"] > 50
 
 
-@pytest.mark.parametrize("pose", ["here", "1 2", "1 2 nan"])
+@pytest.mark.parametrize("pose", ["here", "1 2", "1 2 nan", "1e300 0 0"])
 def test_a_place_without_a_pose_is_a_data_error(pose):
     log = around_the_corner(place="L")
     with pytest.raises(DataError, match="T_place_odom"):
         heatmap_pairs([DriveLog(**{**vars(log), "metadata": {"place": "L", "T_place_odom": pose}})])
+
+
+def test_an_odometry_that_is_no_vehicles_is_refused_before_it_fills_the_memory():
+    log = around_the_corner()
+    with pytest.raises(DataError, match=r"odometry of log 'corridor' is 1\S+e.06 m long, must be at most 100000 m"):
+        heatmap_pairs([DriveLog(**{**vars(log), "pose": log.pose * [1e5, 1e5, 1]})])
 
 
 @pytest.mark.parametrize(
