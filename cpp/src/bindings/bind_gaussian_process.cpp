@@ -173,7 +173,19 @@ void bind_evolution(py::module_& m) {
       .def_readonly("mutation_high", &Config::mutation_high)
       .def_readonly("tolerance", &Config::tolerance)
       .def_readonly("absolute_tolerance", &Config::absolute_tolerance)
-      .def_readonly("seed", &Config::seed);
+      .def_readonly("seed", &Config::seed)
+      .def(py::pickle(
+          [](const Config& c) {
+            return py::make_tuple(c.population, c.generations, c.recombination, c.mutation_low, c.mutation_high,
+                                  c.tolerance, c.absolute_tolerance, c.seed);
+          },
+          [](const py::tuple& t) {
+            const Config made{t[0].cast<int>(),    t[1].cast<int>(),          t[2].cast<double>(),
+                              t[3].cast<double>(), t[4].cast<double>(),       t[5].cast<double>(),
+                              t[6].cast<double>(), t[7].cast<std::uint64_t>()};
+            validate(made);
+            return made;
+          }));
   using Result = DifferentialEvolutionResult;
   py::class_<Result>(m, "DifferentialEvolutionResult",
                      "best (D,), its value, generations, evaluations; converged is False if the generations ran out.")
@@ -186,7 +198,11 @@ void bind_evolution(py::module_& m) {
       "differential_evolution",
       [](const std::function<double(Eigen::VectorXd)>& objective, const RowMatrix& bounds, const Config& config) {
         const auto call = [&](std::span<const double> x, double) {
-          return objective(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+          try {
+            return objective(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+          } catch (const py::cast_error&) {
+            throw std::invalid_argument("objective gave something that is no number");
+          }
         };
         return differential_evolution(call, bounds, config);
       },

@@ -19,7 +19,7 @@ void check_bounds(const RowMatrix& bounds) {
   require(bounds.rows() > 0 && bounds.cols() == 2,
           "bounds must be (D, 2), got (" + std::to_string(bounds.rows()) + ", " + std::to_string(bounds.cols()) + ")");
   for (Eigen::Index d = 0; d < bounds.rows(); ++d)
-    require(bounds.row(d).allFinite() && bounds(d, 0) < bounds(d, 1),
+    require(bounds.row(d).allFinite() && bounds(d, 0) < bounds(d, 1) && std::isfinite(bounds(d, 1) - bounds(d, 0)),
             "bounds of parameter " + std::to_string(d) + " are " + std::to_string(bounds(d, 0)) + " and " +
                 std::to_string(bounds(d, 1)) + ", must be finite and rising");
 }

@@ -26,6 +26,7 @@ void check_data(const RowMatrix& inputs, const Eigen::VectorXd& targets, const E
           std::to_string(inputs.rows()) + " training inputs but " + std::to_string(targets.size()) + " targets and " +
               std::to_string(noise.size()) + " noise variances");
   require(inputs.allFinite() && targets.allFinite(), "training inputs and targets must be finite");
+  require(targets.cwiseAbs().maxCoeff() <= 1e150, "targets must lie within +-1e150, whose squares are numbers");
   require(noise.allFinite() && noise.minCoeff() >= 0, "noise variances must be finite and not negative");
 }
 

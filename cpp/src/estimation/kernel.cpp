@@ -1,12 +1,15 @@
 #include "lfdcore/estimation/kernel.hpp"
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
 namespace {
+
+constexpr double smallest = 1e-150, largest = 1e150;  // so that squares and reciprocals are numbers
 
 double of_distance(KernelFamily family, double r) {
   if (family == KernelFamily::squared_exponential) return std::exp(-0.5 * r * r);  // C.5
@@ -18,8 +21,12 @@ double of_distance(KernelFamily family, double r) {
 
 void validate(const Kernel& kernel) {
   require_positive("amplitude", kernel.amplitude, "");
+  require_between("amplitude", kernel.amplitude, smallest, largest, "");
   require(kernel.lengthscales.size() > 0, "a kernel needs a length-scale for every input dimension, got none");
-  for (const double l : kernel.lengthscales) require_positive("a length-scale", l, "");
+  for (const double l : kernel.lengthscales) {
+    require_positive("a length-scale", l, "");
+    require_between("a length-scale", l, smallest, std::numeric_limits<double>::max(), "");
+  }
 }
 
 RowMatrix covariance(const Kernel& kernel, const RowMatrix& a, const RowMatrix& b) {

@@ -12,7 +12,8 @@ using std::expf;
 
 namespace lfdcore::detail {
 
-// 1e-35, nothing beside the peak of 1. Below, libmvec takes the scalar way, and subnormal numbers are slow.
+// Its exponential, 2e-35, is nothing beside the peak of 1. Below, libmvec takes the scalar way, and subnormal numbers
+// are slow.
 constexpr float lowest_exponent = -80;
 
 LFDCORE_CLONES void wrapped_squares(const float* orientations, float mean, float* squares, std::size_t count) {

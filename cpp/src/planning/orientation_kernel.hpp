@@ -8,7 +8,7 @@ namespace lfdcore::detail {
 /// squares[i] = (mean - orientations[i])^2, the difference wrapped to (-pi, pi]; all angles within (-pi, pi].
 void wrapped_squares(const float* orientations, float mean, float* squares, std::size_t count);
 
-/// weights[i] = exp(-(weights[i] - offset) * scale), 0 below 1e-34; filtered[i] = weights[i] * filter[i]
+/// weights[i] = exp(-(weights[i] - offset) * scale), 0 below 2e-35; filtered[i] = weights[i] * filter[i]
 void weigh_squares(float* weights, float offset, float scale, const float* filter, float* filtered, std::size_t count);
 
 }  // namespace lfdcore::detail

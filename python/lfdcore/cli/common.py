@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
@@ -57,6 +58,15 @@ def progress_bar() -> Iterator[Progress]:
         yield bar
 
 
+def require_each_once(files: list[Path]) -> None:
+    """A log taken twice would make its figures look surer than they are. Files under two names are found too."""
+    taken: dict[Path, Path] = {}
+    for file in files:
+        before = taken.setdefault(file.resolve(), file)
+        if before is not file:
+            raise typer.BadParameter(f"{file} is given twice" + ("" if file == before else f", also as {before}"))
+
+
 def open_with_joystick(path: Path) -> DriveLog:
     """A log whose driver's input is recorded or, where it is not, inferred from the motion before each scan."""
     from lfdcore.datasets import joystick_from_motion, open_log
@@ -78,10 +88,16 @@ class Stages:
 
 
 def require_writable(output: Path, inputs: list[Path]) -> None:
-    """A model replaces what stands at `output`: never a file that it learns from, a folder or a device."""
+    """Before minutes of learning. The model replaces what stands at `output`: never a file that it learns from, a
+    folder or a device."""
+    folder = output.parent
+    if not folder.is_dir():
+        raise ValueError(f"{output}: there is no folder {folder} to write the model to")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ValueError(f"{output}: the folder {folder} cannot be written to")
     if not output.exists():
         return
     if not output.is_file():
         raise ValueError(f"{output}: exists and is no regular file, so no model is written there")
     if any(one.exists() and output.samefile(one) for one in inputs):
-        raise typer.BadParameter(f"--output {output} is one of the files to learn from")
+        raise typer.BadParameter(f"--output {output} is one of the logs to learn from")

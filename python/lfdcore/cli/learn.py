@@ -17,6 +17,7 @@ from lfdcore.cli.common import (
     Stages,
     print_json,
     progress_bar,
+    require_each_once,
     require_writable,
 )
 from lfdcore.cli.learn_goals import learn_goals_command
@@ -65,6 +66,7 @@ def learn_drive_command(
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
 
+    require_each_once(logs)
     require_writable(output, logs)
     if method is not Method.primitives:
         _require_training()

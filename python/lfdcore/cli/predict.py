@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, print_json, progress_bar, require_each_once
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -139,6 +139,7 @@ def _told_apart(files: list[Path]) -> tuple[list[Path], list[Path]]:
     for file in files:
         if not file.exists():
             raise FileNotFoundError(2, "no such model or drive log", str(file))
+    require_each_once(files)
     models = [file for file in files if _is_model(file)]
     logs = [file for file in files if file not in models]
     if not models or not logs:

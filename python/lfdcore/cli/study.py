@@ -12,6 +12,8 @@ import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
 from lfdcore.cli.study_goals import study_goals
+from lfdcore.cli.study_adaptation import study_adaptation
+from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:
@@ -176,3 +178,5 @@ def study_driving(
 
 app.command("learning-curve")(study_learning_curve)
 app.command("goals")(study_goals)
+app.command("adaptation")(study_adaptation)
+app.command("backwards")(study_backwards)

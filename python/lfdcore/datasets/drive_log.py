@@ -26,6 +26,8 @@ FORMAT = "drive log 1"
 """What the file calls itself; the number counts changes that an older reader cannot read."""
 SCAN_LAYOUT = ("angle_min", "angle_increment", "range_min", "range_max")
 """Float64 beside the float32 of sensor_msgs/LaserScan, so that a replay sees the very same scans"""
+FARTHEST = 1e7
+"""[m] of a pose from its origin"""
 LEAD = 2.0
 """[s] of odometry, joystick and commands that a share keeps from before its first scan"""
 
@@ -81,8 +83,8 @@ class DriveLog:
     """One drive. Stamps are seconds since the log's own epoch and never decrease; B beams a scan.
 
     ValueError for arrays whose shapes do not fit together, stamps that are not finite or go back, poses, twists or
-    commands that are not finite, negative ranges, joystick values outside [-1, 1]. Ranges follow REP-117: inf is
-    nothing within range_max, NaN no measurement. Headings are made continuous (unwrapped).
+    commands that are not finite, poses beyond 1e7 m, negative ranges, joystick values outside [-1, 1]. Ranges follow
+    REP-117: inf is nothing within range_max, NaN no measurement. Headings are made continuous (unwrapped).
     """
 
     scan_stamp: Array
@@ -135,6 +137,7 @@ class DriveLog:
             _require_stamps(f"{stream}_stamp", stamps)
             for name in values:
                 _require_rows(name, getattr(self, name), len(stamps))
+        _require_on_earth(self.pose)
         for name in ("joystick", "desired"):
             _require_joystick(name, getattr(self, name))
         _require_thoughts(self.plans, self.intentions)
@@ -238,7 +241,7 @@ class DriveLog:
         path = Path(path)
         if path.exists() and not path.is_file():
             raise ValueError(f"path is {path}, exists and is no regular file")
-        part = path.with_name(path.name + ".part")
+        part = path.with_name(f"{path.name}.{os.getpid()}.part")  # of this process: another may write there too
         try:
             with DriveLogWriter(part, T_base_laser=self.T_base_laser, name=self.name, metadata=self.metadata) as writer:
                 for _, _, write in sorted(self._records(writer), key=lambda record: record[:2]):
@@ -280,6 +283,13 @@ def _require_rows(name: str, values: Array, count: int) -> None:
     if values.shape != (count, _WIDTHS[name]):
         raise ValueError(f"{name} has shape {values.shape}, must be {(count, _WIDTHS[name])}")
     _require_finite(name, values)
+
+
+def _require_on_earth(pose: Array) -> None:
+    """As the maps demand: UTM's coordinates lie within. Beyond, differences of positions are rounding and overflow."""
+    wrong = np.argwhere(np.abs(pose[:, :2]) > FARTHEST)
+    if len(wrong):
+        raise ValueError(f"pose is {pose[tuple(wrong[0])]} m at record {wrong[0][0]}, must lie within +-{FARTHEST:g} m")
 
 
 def _require_finite(name: str, values: Array) -> None:

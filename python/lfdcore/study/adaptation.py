@@ -11,16 +11,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2, Twist2, wrap_angle
 from lfdcore.study.courses import Course
 from lfdcore.study.drivers import AbleConfig, AbleDriver, DriverInput, able_population
-from lfdcore.study.runner import RunConfig, run_drive
-from lfdcore.study.statistics import summarise
-from lfdcore.study.tables import Row, Table
+from lfdcore.study.driving import StudyModels
+from lfdcore.study.runner import RunConfig, run_drive, run_jobs
+from lfdcore.study.trace import DriveTrace
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.joystick_model import JoystickModel
@@ -29,6 +32,8 @@ from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observatio
 Floats = NDArray[np.float64]
 BIAS = 0.3
 """[rad]"""
+STAGES = ("before", "then", "adapting")
+"""The trained model, the one of `after` seconds, the one of each tick."""
 AT_REST = 0.05
 """A stick displaced less than this has no orientation to err by."""
 
@@ -70,23 +75,41 @@ class _Watched:
         return self._assistant.update(observation)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AdaptationRun:
-    """Mean absolute errors [rad] over the ticks later than `after`."""
+    """Errors [rad] of the joystick model at each of the drive's T ticks, NaN where the stick is at rest."""
 
     course: str
     driver: int
+    seed: int
     bias: float
     outcome: str
     collisions: int
-    ticks: int
-    """that were judged"""
-    before: float
-    """of the trained model"""
-    then: float
-    """of the model as it was `after` seconds into the drive"""
-    adapting: float
-    """of the model as it was at each tick"""
+    after: float
+    """[s]: later ticks are judged"""
+    stamp: Floats
+    """(T,) [s]"""
+    error_before: Floats
+    """(T,) of the trained model"""
+    error_then: Floats
+    """(T,) of the model as it was `after` seconds into the drive"""
+    error_adapting: Floats
+    """(T,) of the model as it was at the tick"""
+
+    def mean(self, stage: str) -> float:
+        """Error at a stage of STAGES over the ticks that are judged."""
+        errors = getattr(self, f"error_{stage}")
+        return float(np.nanmean(errors[self.stamp > self.after]))
+
+    @property
+    def ticks(self) -> int:
+        """How many are judged."""
+        return int(np.isfinite(self.error_before[self.stamp > self.after]).sum())
+
+    def row(self) -> dict[str, Any]:
+        """For machines."""
+        names = ("course", "driver", "seed", "bias", "outcome", "collisions", "after", "ticks")
+        return {name: getattr(self, name) for name in names} | {stage: self.mean(stage) for stage in STAGES}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +117,8 @@ class AdaptationStudy:
     """Driver k of the able population drives every course with every bias and seed `seed` + k."""
 
     courses: tuple[Course, ...]
-    model: HeatmapModel
+    model: Path
+    """File of heatmaps"""
     biases: tuple[float, ...] = (0.0, BIAS, -BIAS)
     drivers: int = 5
     seed: int = 1
@@ -104,83 +128,71 @@ class AdaptationStudy:
 
 
 def run_adaptation_study(
-    study: AdaptationStudy, progress: Callable[[int, int], None] | None = None
+    study: AdaptationStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> tuple[AdaptationRun, ...]:
-    """One run a course, bias and driver, in that order. ValueError for a drive that ends before `after`."""
+    """One run a course, bias and driver, in that order. ValueError for a drive that ends before `after`; ModelError for
+    a file that holds no heatmaps."""
+    StudyModels(heatmaps=study.model).of("heatmaps")  # refused before anything is driven
     drivers = able_population(study.drivers, study.seed)
-    jobs = [(c, bias, k) for c in study.courses for bias in study.biases for k in range(study.drivers)]
-    runs = []
-    for course, bias, k in jobs:
-        runs.append(_drive(study, course, BiasedDriver(course, bias, drivers[k]), k))
-        if progress is not None:
-            progress(len(runs), len(jobs))
-    return tuple(runs)
+    jobs = [
+        _Drive(study, course, bias, k, drivers[k])
+        for course in study.courses
+        for bias in study.biases
+        for k in range(study.drivers)
+    ]
+    return run_jobs(jobs, progress, processes)
 
 
-def _drive(study: AdaptationStudy, course: Course, driver: BiasedDriver, k: int) -> AdaptationRun:
-    chair = ChairGeometry(
-        footprint=study.run.chair.footprint, limits=study.run.chair.limits, T_base_laser=study.run.lidar.T_base_laser
-    )
-    watched = _Watched(AdaptiveAssistant(study.model, chair, adaptation=study.adaptation), study.after)
-    trace = run_drive(course, driver, watched, study.seed + k, study.run)
-    at_rest = np.minimum(np.hypot(*trace.joystick.T), np.hypot(*trace.desired.T)) <= AT_REST
-    judged = (trace.stamp > study.after) & ~at_rest
-    if watched.model_then is None or not judged.any():
-        raise ValueError(f"the drive of {course.name} took {trace.stamp[-1]:.0f} s, must be over {study.after} s")
-    raw, meant = trace.joystick[judged], trace.desired[judged]
-    return AdaptationRun(
-        course.name,
-        k,
-        driver.bias,
-        trace.outcome,
-        int(trace.collision.sum()),
-        int(judged.sum()),
-        angle_error(study.model.joystick.predict_many(raw)[0], meant),
-        angle_error(watched.model_then.predict_many(raw)[0], meant),
-        angle_error(np.array(watched.wanted)[judged], meant),
-    )
+@dataclass(frozen=True)
+class _Drive:
+    study: AdaptationStudy
+    course: Course
+    bias: float
+    number: int
+    driver: AbleConfig
+
+    def run(self) -> AdaptationRun:
+        study, simulated = self.study, self.study.run
+        chair = ChairGeometry(
+            footprint=simulated.chair.footprint,
+            limits=simulated.chair.limits,
+            T_base_laser=simulated.lidar.T_base_laser,
+        )
+        model = StudyModels(heatmaps=study.model).of("heatmaps")
+        if not isinstance(model, HeatmapModel):
+            raise ModelError(f"{study.model} holds no heatmaps")
+        watched = _Watched(AdaptiveAssistant(model, chair, adaptation=study.adaptation), study.after)
+        driver = BiasedDriver(self.course, self.bias, self.driver)
+        trace = run_drive(self.course, driver, watched, study.seed + self.number, simulated)
+        return self._judged(trace, model.joystick, watched)
+
+    def _judged(self, trace: DriveTrace, trained: JoystickModel, watched: _Watched) -> AdaptationRun:
+        raw, meant, after = trace.joystick, trace.desired, self.study.after
+        at_rest = np.minimum(np.hypot(*raw.T), np.hypot(*meant.T)) <= AT_REST
+        then = watched.model_then
+        if then is None or not (~at_rest & (trace.stamp > after)).any():
+            raise ValueError(f"the drive of {trace.course} took {trace.stamp[-1]:.0f} s, must be over {after} s")
+        models = (trained.predict_many(raw)[0], then.predict_many(raw)[0], np.array(watched.wanted))
+        return AdaptationRun(
+            trace.course,
+            self.number,
+            trace.seed,
+            self.bias,
+            trace.outcome,
+            int(trace.collision.sum()),
+            after,
+            trace.stamp,
+            *(np.where(at_rest, np.nan, angle_errors(wanted, meant)) for wanted in models),
+        )
 
 
-def angle_error(wanted: Floats, meant: Floats) -> float:
-    """Mean absolute angle [rad] between sticks (N, 2) and (N, 2)."""
+def angle_errors(wanted: Floats, meant: Floats) -> Floats:
+    """Absolute angles (N,) [rad] between sticks (N, 2) and (N, 2)."""
     angles = [np.arctan2(sticks[:, 1], sticks[:, 0]) for sticks in (wanted, meant)]
-    return float(np.abs(wrap_angle(angles[0] - angles[1])).mean())
+    errors: Floats = np.abs(np.asarray(wrap_angle(angles[0] - angles[1])))
+    return errors
 
 
 def pooled_ratio(runs: Sequence[AdaptationRun], stage: str) -> float:
     """Mean error at a stage ('then' or 'adapting') over the mean error before, of all runs."""
-    return float(np.mean([getattr(run, stage) for run in runs]) / np.mean([run.before for run in runs]))
-
-
-def adaptation_table(runs: Sequence[AdaptationRun], after: float = 60.0) -> Table:
-    """A row a bias: errors with intervals over runs, and their ratios to the trained model's."""
-    header = (
-        "bias [rad]",
-        "runs",
-        "completed",
-        "hits",
-        "trained",
-        "after",
-        "while adapting",
-        "ratio",
-        "ratio adapting",
-    )
-    rows = [_row(bias, [run for run in runs if run.bias == bias]) for bias in sorted({run.bias for run in runs})]
-    note = (
-        f"Mean angle [rad] between the stick the model predicts and the one meant, over the ticks after {after:.0f} s, "
-        f"with 95 % intervals over runs; of the trained model, of the model as adapted after {after:.0f} s, and of the "
-        "model as it goes on adapting. Ratios are of means. Wanted: at most .7 with a bias, 1.05 without."
-    )
-    return Table("On-line adaptation to a driver with a steering bias (Sec. 6.2.1)", header, tuple(rows), note)
-
-
-def _row(bias: float, runs: Sequence[AdaptationRun]) -> Row:
-    errors = [summarise([getattr(run, stage) for run in runs]) for stage in ("before", "then", "adapting")]
-    return (
-        f"{bias:+.2f}",
-        str(len(runs)),
-        str(sum(run.outcome == "completed" for run in runs)),
-        str(sum(run.collisions for run in runs)),
-        *(f"{e.mean:.3f} [{e.low:.3f}, {e.high:.3f}]" for e in errors),
-        *(f"{pooled_ratio(runs, stage):.2f}" for stage in ("then", "adapting")),
-    )
+    return float(np.mean([run.mean(stage) for run in runs]) / np.mean([run.mean("before") for run in runs]))

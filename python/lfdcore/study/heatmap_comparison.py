@@ -29,16 +29,16 @@ from lfdcore.study.heatmap_demonstrations import StageProgress
 from lfdcore.study.metrics import LOOK_AHEAD, MOVING
 from lfdcore.study.prediction import learn_from_logs
 from lfdcore.study.runner import run_jobs
-from lfdcore.wheelchair.assistants import Surroundings
+from lfdcore.wheelchair.assistants import DriveAssistantConfig, Surroundings
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmap_planner import Heat, HeatmapPlanner, HeatmapPlannerConfig, squashed
+from lfdcore.wheelchair.heatmap_planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.planner import PlannedPath, Planner
 from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.window import RESOLUTION
+from lfdcore.wheelchair.window import RESOLUTION, squashed
 
 if TYPE_CHECKING:
     from lfdcore.training.heatmap_net import EpochLoss
@@ -65,7 +65,7 @@ class ComparisonConfig:
 
     period: float = 0.5
     slowest: float = MOVING
-    map_duration: float = 30.0
+    map_duration: float = DriveAssistantConfig.map_duration
     primitives: PrimitivesPlannerConfig = field(default_factory=lambda: PrimitivesPlannerConfig(drivable=_UNCHECKED))
     heatmaps: HeatmapPlannerConfig = field(
         default_factory=lambda: HeatmapPlannerConfig(driver_sd=0.0, drivable=_UNCHECKED)

@@ -28,6 +28,7 @@ from lfdcore.study.report import Picture, Section
 from lfdcore.study.statistics import paired_test, summarise, summarise_bounded
 from lfdcore.study.tables import Row, Table
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.heatmap_planner import HeatmapPlannerConfig
 
 _ROWS = (
     ("reward", "reward at positions", 3, ("0.62+-0.10", "0.56+-0.17", "0.67+-0.051")),
@@ -88,8 +89,13 @@ def comparison_table(comparison: Comparison, seed: int) -> Table:
         ("", *(METHOD_NAMES[method].replace(" (", "\n(") for method in METHODS), "p,\nprimitives", "p,\nnaive"),
         tuple(rows),
         _DEFINITIONS.format(discounts=discounts)
-        + f" Time: from the observation to the end of the coarse path, medians of runs; thesis: {_TIMES}.",
+        + f" {_doubt(config.heatmaps)} Time: from the observation to the end of the coarse path, medians of runs; "
+        f"thesis: {_TIMES}.",
     )
+
+
+def _doubt(config: HeatmapPlannerConfig) -> str:
+    return f"Doubt about the driver's stick, beside the Gaussian processes' (driver_sd): {config.driver_sd:g} rad."
 
 
 def comparison_verdict(comparison: Comparison) -> str:
@@ -163,7 +169,8 @@ def calibration_section(
     model: HeatmapModel, held_out: Sequence[DriveLog], judged: Sequence[DriveLog], seed: int = 1
 ) -> Section:
     """Fits on runs held out of training (`model.metadata['held_out']` says which), judges on others."""
-    check = check_calibration(judged_cells(held_out, model), judged_cells(judged, model))
+    config = HeatmapPlannerConfig()
+    check = check_calibration(judged_cells(held_out, model, config), judged_cells(judged, model, config))
     caption = (
         f"Reliability of heatmaps on {len(judged)} home runs never trained on or fitted to (seed {seed}). A: bins of "
         "equal width, larger dots for more cells (logarithmic). B: tenths of all cells. C: from heat to probability, "
@@ -171,7 +178,7 @@ def calibration_section(
     )
     return Section(
         "What heat is worth as a probability",
-        "",
+        f"Heat of the product of both heatmaps. {_doubt(config)}",
         [calibration_table(check, seed)],
         [Picture(reliability_figure(check), caption)],
     )

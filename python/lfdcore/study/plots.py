@@ -58,6 +58,7 @@ ARM_NAMES = {
     "dwa_1s": "DWA, horizon 1 s",
     "thesis": "primitives, as printed",
     "supervisor": "supervisor only",
+    "two_way": "heatmaps, both ways",
 }
 _SMALLEST_SCALE = 0.12  # [in/m] panels that would be smaller stand below each other
 

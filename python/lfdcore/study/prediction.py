@@ -344,7 +344,8 @@ def _rows(
     best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
     columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
     low, high = block_bootstrap(columns, blocks, seed)
-    share = columns[:, : len(errors)].mean(axis=0) / errors[best].mean()
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a baseline that is never wrong: no ratio
+        share = columns[:, : len(errors)].mean(axis=0) / errors[best].mean()
     share_low, share_high = block_bootstrap_ratio(columns[:, : len(errors)], errors[best], blocks, seed)
     rows = []
     for k, (name, e) in enumerate(errors.items()):
@@ -428,7 +429,8 @@ def _about(name: str, paths: ModelPaths) -> str:
     share = paths.compliant_share
     judged = "compliance unknown to this model"
     if share is not None:
-        judged = f"{100 * share:.0f} % of the path points compliant, RMSE of these {paths.rmse:.3f} m"
+        judged = f"{100 * share:.0f} % of the path points compliant"
+        judged += f", RMSE of these {paths.rmse:.3f} m" if np.isfinite(paths.rmse) else ""
     return (
         f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
         f"stick {paths.stick}"

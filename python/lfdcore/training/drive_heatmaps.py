@@ -82,9 +82,12 @@ def learn_heatmaps(
 
 def learn_joystick(logs: Sequence[DriveLog], config: HeatmapLearningConfig) -> JoystickModel:
     """What drivers mean by the stick: raw against safe (Sec. 4.4.2) or, where a log has no commands or does not note
-    what full stick meant, against followed. ValueError for a log without joystick, or if no log has a pair."""
+    what full stick meant, against followed. ValueError for a log without joystick, if no log has a pair, or if the
+    stick is at rest in all of them."""
     found = [_pairs(log) for log in logs]
     raw, safe = (np.concatenate([getattr(pairs, name) for pairs in found]) for name in ("raw", "safe"))
+    if len(raw) and not raw.any():
+        raise ValueError(f"the joystick is at rest in all {len(raw)} pairs: what it means cannot be learned from that")
     return fit_joystick_model(raw, safe, config.joystick, config.hyper_parameters)
 
 

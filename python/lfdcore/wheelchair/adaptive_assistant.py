@@ -21,7 +21,13 @@ from lfdcore.geometry import MotionLimits, Twist2, wrap_angle
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
-from lfdcore.wheelchair.joystick_model import JoystickAdapter, JoystickAdapterConfig, JoystickBins
+from lfdcore.wheelchair.joystick_model import (
+    JoystickAdapter,
+    JoystickAdapterConfig,
+    JoystickBins,
+    JoystickModel,
+    JoystickModelConfig,
+)
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 Floats = NDArray[np.float64]
@@ -40,7 +46,7 @@ class AdaptationConfig:
     """One tick's offset counts as at most so much: an evasion is no bias."""
     scatter: float = 0.73
     """Of n ticks' mean offset, times sqrt(n): .28 for a tick, and it stays alike for 7."""
-    chance: float = 0.4
+    chance: float = 1.0
     """A mean offset within so many standard deviations of 0 is none. More: safer for an unbiased driver, and later."""
     corrected_share: float = 0.22
     """Of a bias that the model does not know, so much shows in what is followed; the rest the path follows."""
@@ -48,8 +54,7 @@ class AdaptationConfig:
     """Ticks after which one counts e times less for the offset: 2 minutes at 10 Hz."""
     largest_turn: float = 0.6
     """A driver is thought to point at most so far beside what is meant."""
-    adapter: JoystickAdapterConfig = field(default_factory=lambda: JoystickAdapterConfig(memory=100.0))
-    """Of the bins, whose pairs have been smoothed before."""
+    adapter: JoystickAdapterConfig = field(default_factory=lambda: JoystickAdapterConfig(trained_samples=1.0))
 
     def __post_init__(self) -> None:
         for name in ("steepest", "largest", "scatter", "chance", "corrected_share", "largest_turn"):
@@ -84,17 +89,16 @@ class SteeringOffset:
     def resume(self, turn: float, ticks: float) -> None:
         """Goes on from a turn that was learned from so many ticks."""
         self.ticks = min(ticks, self.config.memory)
-        shown = abs(turn) * self.config.corrected_share  # of which chance's bound is a part: solve `turn` for the mean
-        self.mean = math.copysign((shown + math.sqrt(shown**2 + 4 * self._by_chance() ** 2)) / 2, turn) if turn else 0.0
+        self.mean = (
+            math.copysign(math.hypot(turn * self.config.corrected_share, self._by_chance()), turn) if turn else 0.0
+        )
 
     @property
     def turn(self) -> float:
-        """From the stick to what is meant [rad]: 0 within chance, and rising steadily from there."""
-        bound = self._by_chance()
-        if abs(self.mean) <= bound:
-            return 0.0
-        turn = self.mean * (1 - (bound / self.mean) ** 2) / self.config.corrected_share
-        return min(max(turn, -self.config.largest_turn), self.config.largest_turn)
+        """From the stick to what is meant [rad]: what chance explains is taken out in quadrature."""
+        beyond_chance = math.sqrt(max(self.mean**2 - self._by_chance() ** 2, 0.0))
+        turn = min(beyond_chance / self.config.corrected_share, self.config.largest_turn)
+        return math.copysign(turn, self.mean)
 
     def _by_chance(self) -> float:
         return self.config.chance * self.config.scatter / math.sqrt(max(self.ticks, 1.0))
@@ -150,7 +154,7 @@ class AdaptiveAssistant:
     def resume_driver(self, path: str | os.PathLike[str]) -> None:
         """Goes on where `save_driver` was called. ModelError as JoystickAdapter.resume; then nothing is changed."""
         self.adapter.resume(path)
-        self._offset.resume(*_learned(self.adapter.own))
+        self._offset.resume(*_learned(self.adapter.own, self.adapter.trained.config))
         self.planner.joystick = self.adapter.model
 
     def update(self, observation: Observation) -> Assistance:
@@ -160,8 +164,14 @@ class AdaptiveAssistant:
         if said.mode not in ("rest", "stale"):
             if self._followed(said):
                 self._judge(joystick, _stick_angle(said.command, self.chair.limits))
-            self.planner.joystick = self.adapter.add(joystick, _turned(joystick, self._offset.turn))
+            self.planner.joystick = self._learn(joystick)
         return said
+
+    def _learn(self, joystick: Floats) -> JoystickModel:
+        """A pair more, and all earlier ones as they are understood now."""
+        turn = self._offset.turn
+        self.adapter.relabel(_turned(self.adapter.own.raw, turn))
+        return self.adapter.add(joystick, _turned(joystick, turn))
 
     def _followed(self, said: Assistance) -> bool:
         """Along a path, and not where the supervisor or standstill decides."""
@@ -184,17 +194,17 @@ def _stick_angle(command: Twist2, limits: MotionLimits) -> float:
 
 
 def _turned(joystick: Floats, angle: float) -> Floats:
-    """The stick turned to the left, within its end stops."""
+    """Sticks (..., 2) turned to the left, within their end stops."""
     c, s = math.cos(angle), math.sin(angle)
-    turned = np.array([c * joystick[0] - s * joystick[1], s * joystick[0] + c * joystick[1]])
-    return np.asarray(turned / max(1.0, float(np.abs(turned).max())))
+    turned = joystick @ np.array([[c, s], [-s, c]])
+    return np.asarray(turned / np.maximum(1.0, np.abs(turned).max(axis=-1, keepdims=True)))
 
 
-def _learned(own: JoystickBins) -> tuple[float, float]:
+def _learned(own: JoystickBins, config: JoystickModelConfig) -> tuple[float, float]:
     """The turn [rad] that a driver's bins hold on average, and of how many pairs."""
     pairs = float(own.count.sum())
     if pairs == 0:
         return 0.0, 0.0
-    wanted = own.raw + own.target
+    wanted = own.wanted(config)
     turns = wrap_angle(np.arctan2(wanted[:, 1], wanted[:, 0]) - np.arctan2(own.raw[:, 1], own.raw[:, 0]))
     return float((own.count * turns).sum() / pairs), pairs

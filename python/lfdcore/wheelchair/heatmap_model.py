@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import reprlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +53,9 @@ class HeatmapModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
         header, tensors = _read(path, HEATMAPS)
         arrays = {name.removeprefix(_JOYSTICK): a for name, a in tensors.items() if name.startswith(_JOYSTICK)}
-        joystick = JoystickModel.of_tensors(_part(path, header, "joystick"), arrays)
-        return cls(SensorHeatmap(_network(path, tensors)), joystick, _part(path, header, "metadata"))
+        with _named(path):
+            joystick = JoystickModel.of_tensors(_part(header, "joystick"), arrays)
+            return cls(SensorHeatmap(_network(tensors)), joystick, _part(header, "metadata"))
 
     def _tensors(self) -> Tensors:
         joystick = {_JOYSTICK + name: array for name, array in self.joystick.tensors().items()}
@@ -84,7 +88,8 @@ class NaiveHeatmapModel:
     def load(cls, path: str | os.PathLike[str]) -> NaiveHeatmapModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
         header, tensors = _read(path, NAIVE)
-        return cls(NaiveHeatmap(_network(path, tensors)), _part(path, header, "metadata"))
+        with _named(path):
+            return cls(NaiveHeatmap(_network(tensors)), _part(header, "metadata"))
 
 
 def _told(metadata: dict[str, Any]) -> dict[str, Any]:
@@ -104,17 +109,26 @@ def _read(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any], Tens
     return header, tensors
 
 
-def _part(path: str | os.PathLike[str], header: dict[str, Any], name: str) -> dict[str, Any]:
+@contextmanager
+def _named(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Says of which file a part cannot be used."""
+    try:
+        yield
+    except ModelError as unusable:
+        raise ModelError(f"{path}: {unusable}") from unusable
+
+
+def _part(header: dict[str, Any], name: str) -> dict[str, Any]:
     part = header.get(name)
     if not isinstance(part, dict):
-        raise ModelError(f"{path} has {name} {part!r}, must be an object")
+        raise ModelError(f"{name} is {reprlib.repr(part)}, must be an object")
     return part
 
 
-def _network(path: str | os.PathLike[str], tensors: Tensors) -> bytes:
+def _network(tensors: Tensors) -> bytes:
     array = tensors.get(_NETWORK)
     if array is None or array.dtype != np.uint8 or array.ndim != 1:
-        raise ModelError(f"{path} holds no network")
+        raise ModelError("holds no network")
     return array.tobytes()
 
 

@@ -30,6 +30,7 @@ from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, Drivable
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath
+from lfdcore.wheelchair.window import squashed, values_at
 
 Heatmap = NDArray[np.float32]
 
@@ -42,15 +43,20 @@ class HeatmapPlannerConfig:
     """Of pure pursuit [m], and of the compliance with it (Sec. 3.4.2, 4.5)."""
     driver_sd: float = 0.6
     """How far a driver's stick points beside what is meant [rad], beyond what able demonstrators' did; printed: 0."""
+    filtered_compliance: bool = False
+    """Compliance is the user heatmap's value in the control point's cell, distance filter included (printed, Sec. 4.5);
+    else the unfiltered density at the point's exact orientation (ERRATA 29)."""
     reward: HeatmapRewardConfig = field(default_factory=HeatmapRewardConfig)
     q_learning: QLearningConfig = field(default_factory=QLearningConfig)
     drivable: DrivablePathConfig = field(default_factory=DrivablePathConfig)
 
     @staticmethod
     def thesis() -> HeatmapPlannerConfig:
-        """The printed loop: gamma .9, K - 1 = 99 sweeps, soft obstacles, inflated (Sec. 4.5), no footprint."""
+        """The printed loop: gamma .9, K - 1 = 99 sweeps, soft obstacles, inflated, compliance by the user heatmap
+        (Sec. 4.5), no footprint."""
         return HeatmapPlannerConfig(
             driver_sd=0.0,
+            filtered_compliance=True,
             q_learning=QLearningConfig(discount=0.9, sweeps=99, blocked=False),
             drivable=DrivablePathConfig(inflations=(0.35,), check_footprint=False),
         )
@@ -92,10 +98,12 @@ class HeatmapPlanner:
         self._finder = DrivablePathFinder(config.drivable, chair)
 
     def compliances(self, control_points: NDArray[np.float64], joystick: NDArray[np.float64]) -> NDArray[np.float64]:
-        """By the unfiltered density of the stick's orientation (Sec. 4.5, ERRATA 29); 0 for a stick at rest."""
+        """As the config says (Sec. 4.5, ERRATA 29); 0 for a stick at rest."""
         orientation = self.orientation(joystick)
         if orientation is None:
             return np.zeros(len(control_points))
+        if self.config.filtered_compliance:
+            return values_at(user_heatmap(self._template, orientation).heatmap, control_points)
         return compliances(control_points, orientation, self.chair.limits)
 
     def orientation(self, joystick: NDArray[np.float64]) -> OrientationMoments | None:
@@ -151,9 +159,3 @@ class HeatmapPlanner:
         cells = greedy_path(result, START).cells
         path = self._finder.long_enough(cells, grid)
         return None if path is None else (path, (int(cells[-1, 0]), int(cells[-1, 1])), result.mdp.reward)
-
-
-def squashed(heatmap: NDArray[np.float32]) -> Heatmap:
-    """Divided by its maximum (F12); all 0 stays all 0."""
-    most = float(heatmap.max())
-    return heatmap / np.float32(most) if most > 0 else heatmap

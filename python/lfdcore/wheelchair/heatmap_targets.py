@@ -32,7 +32,7 @@ from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import local_grid
 from lfdcore.wheelchair.beams import WINDOW
-from lfdcore.wheelchair.window import CELLS, RESOLUTION
+from lfdcore.wheelchair.window import CELLS, RESOLUTION, squashed
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -40,6 +40,8 @@ Heatmap = NDArray[np.float32]
 
 STEP = RESOLUTION / 2
 """[m] between the points of a path: no cell is skipped by more than a corner"""
+_LONGEST = 1e5  # [m] of way in one log; beyond, the odometry is no vehicle's, and the path's points fill the memory
+_FARTHEST = 1e6  # [m] of an odometry's beginning in its place
 _GAP = 3.0  # [s] without odometry: nobody knows the way
 _ARM = 0.5  # [m] that a turn of 1 rad is worth when scans are thinned out
 
@@ -118,7 +120,7 @@ def heatmap_pairs(
     """Pairs of all logs, in order (about .5 ms a scan). progress(done, total) is told after every log.
 
     ValueError without logs, or where not one scan gives a pair: it says what was found instead. DataError for a
-    `T_place_odom` that is no pose.
+    `T_place_odom` that is no pose, or an odometry of more than 100 km.
     """
     config = config or HeatmapTargetConfig()
     if not logs:
@@ -246,9 +248,16 @@ def _places(logs: Sequence[DriveLog]) -> list[_Place]:
         name = log.metadata.get("place")
         place = _Place() if name is None else named.setdefault(name, _Place())
         if len(log.odometry_stamp) >= 2:
+            _require_plausible(log)
             place.add(number, log, _frame(log))
         found.append(place)
     return found
+
+
+def _require_plausible(log: DriveLog) -> None:
+    way = float(arc_length(log.pose[:, :2])[-1])
+    if way > _LONGEST:
+        raise DataError(f"the odometry of log {log.name!r} is {way:g} m long, must be at most {_LONGEST:g} m")
 
 
 def _frame(log: DriveLog) -> Pose2:
@@ -257,8 +266,10 @@ def _frame(log: DriveLog) -> Pose2:
         x, y, yaw = (float(word) for word in said)
     except ValueError as wrong:
         raise DataError(f"log {log.name!r} says T_place_odom is {' '.join(said)!r}, must be x y yaw") from wrong
-    if not np.isfinite((x, y, yaw)).all():
-        raise DataError(f"log {log.name!r} says T_place_odom is {' '.join(said)!r}, must be finite")
+    if not (np.isfinite((x, y, yaw)).all() and max(abs(x), abs(y)) <= _FARTHEST):
+        raise DataError(
+            f"log {log.name!r} says T_place_odom is {' '.join(said)!r}, must be finite and within {_FARTHEST:g} m"
+        )
     return Pose2(x, y, yaw)
 
 
@@ -290,12 +301,6 @@ def draw_target(free: Mask, points: Floats, run: NDArray[np.int_], config: Heatm
     paths, ends = (_dilated(m, r) for m, r in ((paths, config.path_radius), (ends, config.end_radius)))
     image = np.where(ends > 0, config.end_value, config.path_value * paths).astype(np.float32)
     return squashed(_smoothed(image, config.sigma))
-
-
-def squashed(heatmap: Heatmap) -> Heatmap:
-    """Divided by its maximum (F12); an all-zero heatmap stays."""
-    most = heatmap.max(initial=0.0)
-    return np.asarray(heatmap / most if most > 0 else heatmap, np.float32)
 
 
 def _portions(

@@ -124,6 +124,10 @@ class JoystickBins:
         spread += theirs * (other.variance + (other.target - target) ** 2)
         return JoystickBins(count, ours * self.raw + theirs * other.raw, target, spread)
 
+    def wanted(self, config: JoystickModelConfig) -> Floats:
+        """(B, 2): each bin's mean wanted joystick; (0, 0) without data."""
+        return self.raw + self.target if config.prior == "identity" else self.target
+
     def tensors(self) -> Tensors:
         """The arrays to store."""
         return {name: np.asarray(getattr(self, name)) for name in ("count", "raw", "target", "variance")}
@@ -131,8 +135,7 @@ class JoystickBins:
     @staticmethod
     def of_tensors(tensors: Tensors, config: JoystickModelConfig) -> JoystickBins:
         """From what `tensors` gave. KeyError or ValueError if that is not what it claims to be."""
-        names = ("count", "raw", "target", "variance")
-        bins = JoystickBins(*(np.array(tensors[name], dtype=float) for name in names))
+        bins = JoystickBins(*(_floats(tensors, name) for name in ("count", "raw", "target", "variance")))
         _check_bins(bins, config)
         return bins
 
@@ -249,13 +252,11 @@ class JoystickModel:
         try:
             config = JoystickModelConfig(**header["config"])
             bins = JoystickBins.of_tensors(tensors, config)
-            scales = np.array(tensors["lengthscales"], dtype=float)
-            priors = [
-                JoystickPrior(Kernel(axis["amplitude"], scales[k], family=axis["family"]), float(axis["noise"]))
-                for k, axis in enumerate(header["axes"])
-            ]
-            return JoystickModel(bins, (priors[0], priors[1]), config)
-        except (KeyError, TypeError, ValueError, IndexError) as broken:
+            scales, axes = _floats(tensors, "lengthscales"), header["axes"]
+            if scales.shape != (2, 2) or len(axes) != 2:
+                raise ValueError(f"lengthscales are {scales.shape} for {len(axes)} axes, must be (2, 2) for 2")
+            return JoystickModel(bins, (_prior(axes[0], scales[0]), _prior(axes[1], scales[1])), config)
+        except (KeyError, TypeError, ValueError, OverflowError) as broken:
             raise ModelError(f"not a usable joystick model: {broken}") from broken
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -268,12 +269,35 @@ class JoystickModel:
         return JoystickModel.of_tensors(*read_tensor_file(path, _KIND, _VERSION))
 
 
+def _floats(tensors: Tensors, name: str) -> Floats:
+    array = tensors[name]
+    if array.dtype != np.float64:
+        raise ValueError(f"{name} is {array.dtype}, must be float64")
+    return array
+
+
+def _prior(axis: dict[str, Any], lengthscales: Floats) -> JoystickPrior:
+    for name, kinds in (("amplitude", (int, float)), ("noise", (int, float)), ("family", str)):
+        if not isinstance(axis[name], kinds) or isinstance(axis[name], bool):
+            raise ValueError(f"{name} is {axis[name]!r}, must be {'a name' if kinds is str else 'a number'}")
+    noise = float(axis["noise"])
+    if not 0 <= noise < np.inf:
+        raise ValueError(f"noise is {noise} of full stick, must be >= 0 and finite")
+    return JoystickPrior(Kernel(float(axis["amplitude"]), lengthscales, family=axis["family"]), noise)
+
+
+_MOST = {"count": 1e12, "raw": 1.0, "target": 2.0, "variance": 4.0}
+"""Beyond which (with rounding) no statistics of a stick within [-1, 1] lie; a variance is one of offsets within 2."""
+
+
 def _check_bins(bins: JoystickBins, config: JoystickModelConfig) -> None:
     size = config.bins**2
     for name, shape in (("count", (size,)), ("raw", (size, 2)), ("target", (size, 2)), ("variance", (size, 2))):
         values = getattr(bins, name)
         if values.shape != shape or not np.all(np.isfinite(values)):
             raise ValueError(f"{name} must be finite and {shape}, is {values.shape}")
+        if np.any(np.abs(values) > _MOST[name] * (1 + 1e-3)):
+            raise ValueError(f"{name} is {np.abs(values).max():g} somewhere, must be at most {_MOST[name]:g}")
     if np.any(bins.count < 0) or np.any(bins.variance < 0):
         raise ValueError("counts and variances must not be negative")
 
@@ -336,7 +360,7 @@ class JoystickAdapter:
             raise ModelError(f"{path} was made with another configuration than the trained joystick model")
         try:
             own = JoystickBins.of_tensors(tensors, self.trained.config)
-        except (KeyError, TypeError, ValueError) as broken:
+        except (KeyError, TypeError, ValueError, OverflowError) as broken:
             raise ModelError(f"{path} does not hold a driver's joystick statistics: {broken}") from broken
         self._own = own
         self._condition()
@@ -358,6 +382,15 @@ class JoystickAdapter:
         if self._new >= self.config.every:
             self._condition()
         return self._model
+
+    def relabel(self, wanted: ArrayLike) -> None:
+        """Says anew what was wanted, where the driver has been: (B, 2), for each bin's mean raw joystick. Counts from
+        the next conditioning on. ValueError unless finite and (B, 2); then nothing is changed."""
+        told, own = np.asarray(wanted, dtype=float), self._own
+        if told.shape != own.target.shape or not np.all(np.isfinite(told)):
+            raise ValueError(f"wanted must be finite and {own.target.shape}, is {told.shape}")
+        base = own.raw if self.trained.config.prior == "identity" else 0.0
+        own.target[:] = np.where(own.count[:, None] > 0, told - base, 0.0)
 
     def _condition(self) -> None:
         self._new = 0

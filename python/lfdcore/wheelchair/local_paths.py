@@ -93,6 +93,20 @@ class LocalPaths:
         """(N,) [m]"""
         return np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in self.paths])
 
+    def taken(self, which: NDArray[np.bool_]) -> LocalPaths:
+        """Those of the paths that a mask (N,) names; `dropped` stays."""
+        return LocalPaths(
+            self.joystick[which],
+            self.beam_range[which],
+            self.goal[which],
+            self.end_yaw[which],
+            [self.paths[i] for i in np.flatnonzero(which)],
+            self.clearance[which],
+            self.reason[which],
+            self.stamp[which],
+            self.dropped,
+        )
+
     def mirrored(self) -> LocalPaths:
         """The same drives in a world with left and right exchanged (N paths). The goal's beam keeps its range."""
         flip = np.array([1.0, -1.0])

@@ -17,6 +17,7 @@ from lfdcore.wheelchair.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.local_paths import LocalPathConfig, LocalPaths, extract_local_paths
 from lfdcore.wheelchair.path_primitives import PathPrimitiveConfig, PathPrimitives
 from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
+from lfdcore.wheelchair.typical_paths import TypicalPathConfig, typical_paths
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:
@@ -46,12 +47,13 @@ MOST_CLEARANCE = 100.0
 
 @dataclass(frozen=True)
 class LearningConfig:
-    """Each part's own config; `thesis()` has the printed values."""
+    """Each part's own config; `thesis()` has the printed values. typical: which paths compliance is learned from."""
 
     local_paths: LocalPathConfig = field(default_factory=LocalPathConfig)
     intention: IntentionConfig = field(default_factory=IntentionConfig)
     primitives: PathPrimitiveConfig = field(default_factory=PathPrimitiveConfig)
     compliance: ComplianceConfig = field(default_factory=ComplianceConfig)
+    typical: TypicalPathConfig = field(default_factory=TypicalPathConfig)
 
     @classmethod
     def thesis(cls) -> LearningConfig:
@@ -59,6 +61,7 @@ class LearningConfig:
             intention=IntentionConfig.thesis(),
             primitives=PathPrimitiveConfig(mirror=False),
             compliance=ComplianceConfig.thesis(),
+            typical=TypicalPathConfig(ratio=0.0),
         )
 
 
@@ -221,7 +224,8 @@ def learn_drive(
     tell(total - 2, total)
     primitives = PathPrimitives.fit(paths, config.primitives)
     tell(total - 1, total)
-    compliance = ComplianceModel.fit(paths, config.compliance)
+    learned = typical_paths(paths, config.compliance.look_ahead, config.typical)
+    compliance = ComplianceModel.fit(learned, config.compliance)
     tell(total, total)
     return DriveAssistantModel(intention, primitives, compliance, _kept_clearance(paths), _metadata(logs, paths))
 

@@ -36,7 +36,7 @@ def full_deflection_of(model: Model) -> Twist2 | None:
     told = model.metadata.get("full_deflection", [])
     try:
         said = np.array(told, float).reshape(-1, 2)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
     if not len(said):
         return None

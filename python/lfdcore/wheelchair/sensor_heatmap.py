@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,6 +21,8 @@ VERSION = 1
 METADATA_KEY = "lfdcore"
 INPUT, OUTPUT = "free", "heatmap"
 HALF = CELLS // 2
+_PATIENCE = 10.0
+"""[s] that a network may take for its first heatmap; ours takes milliseconds."""
 Images = NDArray[np.float32]
 Heatmap = NDArray[np.float32]
 
@@ -55,13 +58,30 @@ class _Network:
         self._binding = self.session.io_binding()
         self._binding.bind_input(INPUT, "cpu", 0, np.float32, shape, self._input.ctypes.data)
         self._binding.bind_output(OUTPUT, "cpu", 0, np.float32, shape, self._output.ctypes.data)
+        self._try()
 
-    def _run(self) -> Heatmap:
-        self.session.run_with_iobinding(self._binding)
+    def _try(self) -> None:
+        """What cannot be run, or does not end, is refused when it is loaded, not on the way."""
+        import onnxruntime
+
+        options = onnxruntime.RunOptions()
+        watch = threading.Timer(_PATIENCE, setattr, (options, "terminate", True))
+        watch.daemon = True
+        watch.start()
+        try:
+            self._run(options)
+        finally:
+            watch.cancel()
+
+    def _run(self, options: Any = None) -> Heatmap:
+        try:
+            self.session.run_with_iobinding(self._binding, options)
+        except Exception as broken:  # onnxruntime's exceptions share no base
+            raise ModelError(f"the {self.kind} heatmap's network cannot be run: {_first_line(broken)}") from broken
         heatmap = self._output[0, 0]
-        most = heatmap.max()
-        if not np.isfinite(most):
-            raise ModelError(f"the {self.kind} heatmap is {most} somewhere: the model is damaged")
+        least, most = heatmap.min(), heatmap.max()
+        if not (least >= 0 and most < np.inf):  # NaN neither
+            raise ModelError(f"the {self.kind} heatmap is {least} .. {most}: the model is damaged")
         return np.asarray(heatmap / most if most > 0 else heatmap.copy())
 
     def __reduce__(self) -> tuple[type[_Network], tuple[bytes]]:
@@ -112,19 +132,25 @@ def _session(onnx_bytes: bytes) -> Any:
     onnxruntime.set_default_logger_severity(4)  # what is wrong is said by the exception
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 3
+    options.log_severity_level = 4
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
-        return onnxruntime.InferenceSession(onnx_bytes, options, providers=["CPUExecutionProvider"])
-    except Exception as broken:  # onnxruntime's exceptions share no base
-        reason = str(broken).splitlines()[0] if str(broken) else type(broken).__name__
-        raise ModelError(f"{len(onnx_bytes)} bytes are no ONNX model or are damaged: {reason}") from broken
+        # without its fallback, which is the same provider again, and prints to standard output
+        return onnxruntime.InferenceSession(
+            onnx_bytes, options, providers=["CPUExecutionProvider"], enable_fallback=False
+        )
+    except Exception as broken:
+        raise ModelError(f"{len(onnx_bytes)} bytes are no ONNX model or are damaged: {_first_line(broken)}") from broken
+
+
+def _first_line(error: Exception) -> str:
+    return next(iter(str(error).splitlines()), "") or type(error).__name__
 
 
 def _metadata(session: Any, kind: str) -> dict[str, Any]:
     try:
         said = json.loads(session.get_modelmeta().custom_metadata_map.get(METADATA_KEY, "null"))
-    except ValueError as broken:
+    except (ValueError, RecursionError) as broken:
         raise ModelError(f"the heatmap model's metadata are damaged: {broken}") from broken
     if not isinstance(said, dict):
         raise ModelError("the ONNX model says nothing of lfdcore: no heatmap model")

@@ -1,10 +1,12 @@
 """Arrays and a JSON header in one file: safetensors whose only metadata entry is JSON with sorted keys.
 
-No pickle; the same model gives the same bytes. Reading refuses what it cannot use with ModelError.
+No pickle; the same model gives the same bytes. Reading refuses what it cannot use with ModelError. The header's
+`digest` is the SHA-256 of the arrays: safetensors itself does not notice a flipped bit. Files from before it have none.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from pathlib import Path
@@ -18,6 +20,9 @@ from safetensors.numpy import save
 from lfdcore.errors import ModelError
 
 _KEY = "lfdcore"  # one entry only: safetensors does not keep the order of several
+_DIGEST = "digest"
+_BROKEN = (SafetensorError, ValueError, OSError, TypeError, AttributeError, RecursionError)
+"""What safetensors, its dtypes that NumPy lacks, and JSON raise for files that nobody meant."""
 Tensors = dict[str, NDArray[Any]]
 
 
@@ -28,15 +33,18 @@ def write_tensor_file(
 
     ValueError where `path` is a folder, a pipe or a device.
     """
-    text = json.dumps({**header, "format": kind, "version": version}, sort_keys=True, allow_nan=False)
-    data = save({name: np.ascontiguousarray(array) for name, array in tensors.items()}, metadata={_KEY: text})
+    arrays = {name: np.ascontiguousarray(array) for name, array in tensors.items()}
+    said = {**header, "format": kind, "version": version, _DIGEST: _digest(arrays)}
+    data = save(arrays, metadata={_KEY: json.dumps(said, sort_keys=True, allow_nan=False)})
     target = Path(path)
     if target.exists() and not target.is_file():
         raise ValueError(f"{target}: exists and is no regular file, so no model is written there")
-    part = target.with_name(target.name + ".part")
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")  # of this process: another may write there too
     try:
         part.write_bytes(data)
         os.replace(part, target)
+    except OSError as failed:  # a full disk names no file, others name the part
+        raise OSError(failed.errno, failed.strerror, str(target)) from failed
     finally:
         part.unlink(missing_ok=True)
 
@@ -57,7 +65,7 @@ def tensor_file_format(path: str | os.PathLike[str]) -> str:
     try:
         with safe_open(str(path), framework="numpy") as file:
             header = json.loads((file.metadata() or {}).get(_KEY, "null"))
-    except (SafetensorError, ValueError, OSError) as broken:
+    except _BROKEN as broken:
         raise ModelError(f"{path} is not a model file or is damaged: {broken}") from broken
     if not isinstance(header, dict) or not isinstance(header.get("format"), str):
         raise ModelError(f"{path} is no model of lfdcore")
@@ -72,13 +80,24 @@ def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> t
         with safe_open(str(path), framework="numpy") as file:
             header = json.loads((file.metadata() or {}).get(_KEY, "null"))
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    except (SafetensorError, ValueError, OSError) as broken:
+    except _BROKEN as broken:
         raise ModelError(f"{path} is not a model file or is damaged: {broken}") from broken
     if not isinstance(header, dict) or header.get("format") != kind:
         raise ModelError(f"{path} does not hold a {kind} model")
     if header.get("version") != version:
         raise ModelError(f"{path} has format version {header.get('version')}, this lfdcore reads version {version}")
+    if header.pop(_DIGEST, None) not in (None, _digest(tensors)):
+        raise ModelError(f"{path} is damaged: its arrays are not those that were written")
     return header, tensors
+
+
+def _digest(tensors: Tensors) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(tensors):
+        array = tensors[name]
+        digest.update(f"{name} {array.dtype.str} {array.shape};".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
 
 
 def _require_regular(path: str | os.PathLike[str]) -> None:

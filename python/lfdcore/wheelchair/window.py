@@ -27,3 +27,19 @@ def key_centres(keys: NDArray[np.int32]) -> NDArray[np.float64]:
 def cell_centres() -> NDArray[np.float64]:
     """(100, 100, 2) [m]: centres of all cells, indexed [iy, ix]."""
     return key_centres(np.arange(CELLS * CELLS, dtype=np.int32)).reshape(CELLS, CELLS, 2)
+
+
+def values_at(image: NDArray[np.floating], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An image (100, 100) of the window at points (N, 2) [m] in base_link -> (N,): their cells' values, 0 outside."""
+    cells = np.floor((points + WINDOW) / RESOLUTION)
+    inside = np.flatnonzero(((cells >= 0) & (cells < CELLS)).all(axis=1))
+    ix, iy = cells[inside].astype(int).T
+    values = np.zeros(len(points))
+    values[inside] = image[iy, ix]
+    return values
+
+
+def squashed(heatmap: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Divided by its maximum (F12); an all-zero heatmap stays."""
+    most = heatmap.max(initial=np.float32(0))
+    return np.asarray(heatmap / most if most > 0 else heatmap, np.float32)

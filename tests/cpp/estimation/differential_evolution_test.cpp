@@ -62,6 +62,28 @@ TEST(DifferentialEvolution, stays_in_its_box_even_where_the_minimum_is_outside) 
   EXPECT_NEAR(differential_evolution(inside, bounds, exact(0)).value, 1.5, 1e-3);
 }
 
+TEST(DifferentialEvolution, changes_one_parameter_a_trial_without_recombination) {
+  const auto sphere = [](std::span<const double> x, double) { return x[0] * x[0] + x[1] * x[1]; };
+  auto config = exact(1);
+  config.recombination = 0;
+  EXPECT_LT(differential_evolution(sphere, box(2, -3, 5), config).best.norm(), 1e-3);
+}
+
+TEST(DifferentialEvolution, never_tries_the_best_place_again_since_its_two_other_members_differ) {
+  double best = 100, lowest = std::numeric_limits<double>::infinity();
+  int again = 0;
+  auto config = exact(1);
+  config.recombination = 1;
+  config.generations = 20;
+  const auto remembering = [&](std::span<const double> x, double) {
+    again += x[0] == best;
+    if (x[0] * x[0] < lowest) best = x[0], lowest = x[0] * x[0];
+    return x[0] * x[0];
+  };
+  differential_evolution(remembering, box(1, -3, 5), config);
+  EXPECT_EQ(again, 0);
+}
+
 TEST(DifferentialEvolution, takes_the_same_steps_whether_hopeless_trials_are_evaluated_or_given_up) {
   const auto bounded = [](std::span<const double> x, double worth) {
     const double value = rastrigin(x, worth);

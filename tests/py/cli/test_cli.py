@@ -239,7 +239,20 @@ def test_version_is_the_package_s(cli: Cli) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["demo"], ["info"], ["learn"], ["learn", "drive"], ["predict"], ["study"], ["study", "driving"]]
+    "command",
+    [
+        [],
+        ["demo"],
+        ["info"],
+        ["learn"],
+        ["learn", "drive"],
+        ["predict"],
+        ["study"],
+        ["study", "driving"],
+        ["study", "learning-curve"],
+        ["study", "adaptation"],
+        ["study", "backwards"],
+    ],
 )
 def test_every_command_has_help(command: list[str], cli: Cli) -> None:
     outcome = cli(*command, "--help")

@@ -1,5 +1,6 @@
 """lfdcore learn drive --method and predict, info with models of every kind, as a user calls them."""
 
+import errno
 import json
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ from lfdcore.datasets import DriveLog
 from lfdcore.study.driving import models_by_method
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
+from lfdcore.wheelchair.tensor_file import write_tensor_file
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from heatmap_drives import corridor_log
@@ -195,3 +197,26 @@ def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeyp
     code, _, err = run(monkeypatch, capsys, *words)
     assert code == 1
     assert "extra 'train'" in err
+
+
+@pytest.mark.parametrize("method", ["primitives", "naive", "heatmaps"])
+def test_a_folder_that_is_not_there_is_said_before_anything_is_learned(folder, monkeypatch, capsys, method) -> None:
+    output = folder / "no folder" / "model.safetensors"
+    words = ("learn", "drive", folder / "corner.mcap", "--method", method, "-o", output)
+    code, _, err = run(monkeypatch, capsys, *words)
+    assert code == 1
+    assert err.startswith(f"lfdcore: {output}: there is no folder {output.parent}")  # without a progress bar before
+    assert err.count("\n") == 1
+
+
+def test_a_full_disk_names_the_model_and_keeps_what_stood_there(tmp_path, monkeypatch) -> None:
+    def full(self: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    target = tmp_path / "model.safetensors"
+    target.write_text("old")
+    with pytest.raises(OSError, match=r"No space left on device: .*model\.safetensors'"):
+        write_tensor_file(target, "any", 1, {}, {"a": np.zeros(2)})
+    assert target.read_text() == "old"
+    assert [*tmp_path.iterdir()] == [target]

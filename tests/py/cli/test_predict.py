@@ -1,5 +1,6 @@
 """lfdcore predict as a user calls it: outputs and exit codes."""
 
+import dataclasses
 import json
 import shutil
 import sys
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from lfdcore.cli import main as command_line
-from lfdcore.datasets import DriveLog
+from lfdcore.datasets import DriveLog, open_log
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import corner_drive
@@ -134,3 +135,28 @@ def test_wrong_use_ends_with_2_and_bad_files_with_1_and_one_clear_line(
     assert found == code
     assert said in err
     assert "Traceback" not in err
+
+
+def test_a_log_or_model_given_twice_is_refused_under_whatever_name(model, logs, folder, monkeypatch, capsys) -> None:
+    other = folder / "other name.mcap"
+    other.symlink_to(logs[0])
+    for words in ([model, logs[0], logs[0]], [model, logs[0], other], [model, logs[0], model]):
+        code, _, err = run(monkeypatch, capsys, "predict", *words)
+        assert code == 2
+        assert "given twice" in " ".join(err.replace("│", " ").split())
+    code, _, err = run(monkeypatch, capsys, "learn", "drive", logs[0], other, "-o", folder / "never.safetensors")
+    assert code == 2
+    assert "given twice" in " ".join(err.replace("│", " ").split())
+
+
+def test_scans_without_a_measurement_foretell_nothing_and_no_nan_is_printed(
+    model, folder, monkeypatch, capsys, recwarn
+) -> None:
+    path = corner(folder / "blind.mcap", 0.0)
+    seen = open_log(path)
+    dataclasses.replace(seen, ranges=seen.ranges * np.nan).save(path)
+    code, out, _ = run(monkeypatch, capsys, "predict", model, path)
+    assert code == 0
+    assert "corner: 100.0 % without a prediction" in out
+    assert "nan" not in out
+    assert not recwarn.list

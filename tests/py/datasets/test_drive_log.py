@@ -34,6 +34,7 @@ def line_log(count: int = 20) -> DriveLog:
         ({"scan_stamp": [1.0, np.nan, 1.2, 1.3]}, "scan_stamp is nan at record 1"),
         ({"odometry_stamp": [[1.0]]}, r"odometry_stamp has shape \(1, 1\)"),
         ({"pose": np.zeros((4, 2))}, r"pose has shape \(4, 2\), must be \(4, 3\)"),
+        ({"pose": np.full((4, 3), 1e300)}, "pose is 1e.300 m at record 0, must lie within .-1e.07 m"),
         ({"twist": np.full((4, 2), np.inf)}, "twist is inf at record 0, must be finite"),
         ({"command": np.zeros((3, 2))}, r"command has shape \(3, 2\), must be \(4, 2\)"),
         ({"joystick": np.full((4, 2), 1.1)}, r"joystick is 1.1 at record 0, must lie in \[-1, 1\]"),

@@ -5,7 +5,7 @@ import pytest
 
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.comparison_plots import median_runs
-from lfdcore.study.heatmap_calibration import JudgedCells, check_calibration
+from lfdcore.study.heatmap_calibration import JudgedCells, check_calibration, reliability
 from lfdcore.study.heatmap_comparison import METHODS, ComparedRun, Comparison, ComparisonConfig, MethodRun
 from lfdcore.study.heatmap_report import (
     calibration_table,
@@ -14,6 +14,7 @@ from lfdcore.study.heatmap_report import (
     comparison_verdict,
 )
 from lfdcore.study.plots import png
+from lfdcore.wheelchair.heatmap_calibration import HeatmapCalibration
 
 
 def comparison(rewards: dict[str, float], runs: int = 6) -> Comparison:
@@ -49,6 +50,7 @@ def test_the_table_names_runs_frames_and_seed_and_gives_times_as_ratios() -> Non
     assert table.rows[0][3].startswith("0.695+-0.019\n[") and "thesis 0.67" in table.rows[0][3]
     times = table.rows[-1]
     assert times[1].startswith("0.3+-") and times[2].startswith("0.7+-") and times[3].startswith("1\n")
+    assert "(driver_sd): 0 rad" in table.note
     assert table.rows[0][4] == "0.031"  # six pairs of one sign: 2 / 2^6
 
 
@@ -81,6 +83,15 @@ def test_a_calibration_is_judged_on_other_runs_with_the_fitted_runs_rate() -> No
     assert len(check.errors) == check.fitted_runs == 4 and check.fitted_cells == 20_000
     said, happened = check.tenths
     assert (np.diff(said) >= 0).all() and np.abs(said - happened).max() < 0.05
+
+
+def test_a_calibration_knows_nothing_of_the_runs_that_it_is_judged_on() -> None:
+    fitted, judged = cells(0.6, 1), cells(0.1, 2)
+    check = check_calibration(fitted, judged)
+    said = HeatmapCalibration.fit(fitted.heat, fitted.crossed).probabilities(judged.heat)
+    assert check.judged.error == reliability(said, judged.crossed).error > 0.05
+    each = [reliability(said[judged.run == run], judged.crossed[judged.run == run]).error for run in range(4)]
+    np.testing.assert_array_equal(check.errors, each)
 
 
 def test_the_calibration_s_caption_names_runs_cells_and_seed_and_what_it_was_fitted_on() -> None:

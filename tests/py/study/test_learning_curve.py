@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from lfdcore.cli.study_learning_curve import study_learning_curve
 from lfdcore.datasets import open_log
 from lfdcore.study import learning_curve
+from lfdcore.study.driving import StudyModels
 from lfdcore.study.learning_curve import (
     LearningCurve,
     LearningCurveStudy,
@@ -41,6 +42,12 @@ def test_every_model_and_nobody_meets_the_same_driver_way_and_noise(curve: Learn
     assert seen == [(0, "none"), (1, "primitives"), (1, "heatmaps"), (2, "primitives"), (2, "heatmaps")]
     assert {(row["course"], row["seed"]) for row in curve.rows} == {(curve.rows[0]["course"], 6600)}
     assert all(np.isfinite(row["path_rmse"]) for row in curve.rows[1:])
+
+
+def test_each_driver_has_a_way_and_a_seed_of_its_own(tmp_path: Path) -> None:
+    jobs = learning_curve._jobs(replace(tiny(tmp_path), drivers=4), "none", StudyModels())
+    assert [job.seed for job in jobs] == [6600, 6601, 6602, 6603]
+    assert len({tuple(job.course.route[-1]) for job in jobs}) == 4
 
 
 def test_models_are_of_the_first_n_runs(curve: LearningCurve) -> None:

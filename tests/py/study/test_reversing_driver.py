@@ -9,9 +9,9 @@ from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import RollingMap, local_grid
 from lfdcore.simulation import DrivingWorld, LidarConfig
 from lfdcore.study.courses import hall
-from lfdcore.study.drivers import AbleDriver
+from lfdcore.study.drivers import ORIENTATIONS, AbleDriver
 from lfdcore.study.driving import StudyModels, make_assistant
-from lfdcore.study.reversing_driver import ReversingConfig, ReversingDriver, facing_back
+from lfdcore.study.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
 from lfdcore.study.runner import RunConfig, run_drive
 
 ALL_AROUND = LidarConfig(beams=361, field_of_view=2 * math.pi)
@@ -39,6 +39,15 @@ def test_he_gives_what_an_able_driver_of_a_chair_with_its_ends_swapped_gives_wit
         given = backwards.act(0.1 * k, there, Twist2(-0.3, 0.2), k == 20).joystick
         meant = forwards.act(0.1 * k, seen, Twist2(0.3, 0.2), k == 20).joystick
         assert given.tolist() == pytest.approx((meant * [-1, 1]).tolist())
+
+
+def test_an_impaired_one_points_to_five_orientations_over_the_shoulder() -> None:
+    driver, start = ImpairedReversingDriver(hall()), facing_back(hall()).start
+    for k in range(60):
+        there = start * Pose2(-0.03 * k, 0.02 * k, 0.05 * k)
+        given = driver.act(0.1 * k, there, Twist2(-0.3, 0.2), False).joystick
+        over_the_shoulder = math.atan2(given[1], -given[0])
+        assert min(abs(math.remainder(over_the_shoulder - option, 2 * math.pi)) for option in ORIENTATIONS) < 1e-9
 
 
 def test_after_a_hit_he_drives_ahead_for_a_while_and_then_goes_on_backwards() -> None:

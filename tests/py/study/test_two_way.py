@@ -9,7 +9,8 @@ import pytest
 from lfdcore.geometry import MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan, local_grid
 from lfdcore.simulation import DrivingWorld, LidarConfig
-from lfdcore.study.backwards import AROUND, backwards_table, drive_backwards
+from lfdcore.study.backwards import AROUND, BackwardsStudy, run_backwards_study
+from lfdcore.study.backwards_report import backwards_table
 from lfdcore.study.courses import hall
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
@@ -31,7 +32,8 @@ def observe(joystick: tuple[float, float], lidar: LidarConfig = AROUND, twist: T
 
 
 def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(heatmap_model: Path) -> None:
-    (trace,) = drive_backwards(heatmap_model, arms=("two_way",), seeds=(1,), processes=1)
+    study = BackwardsStudy(heatmaps=heatmap_model, arms=("two_way",), kinds=("able",), drivers=1)
+    (trace,) = run_backwards_study(study, processes=1)
     assert trace.completed and trace.collision.sum() == 0
     assert (trace.mode == "path").mean() > 0.8 and len(trace.plans) > 20
     along = np.diff(trace.pose[:, :2], axis=0)
@@ -39,7 +41,19 @@ def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(h
     rolled = along[:, 0] * np.cos(heading) + along[:, 1] * np.sin(heading)
     assert rolled.sum() == pytest.approx(-hall().length, rel=0.2)
     (row,) = backwards_table((trace,)).rows
-    assert row[:4] == ("two_way", "1", "1", "0")
+    assert row[:2] == ("reversing\nheatmaps, both ways", "1")
+    assert row[2].startswith("1 of 1") and row[3].startswith("0 in 1")
+
+
+@pytest.mark.parametrize(("wrong", "words"), [({"arms": ("both",)}, "both"), ({"kinds": ("expert",)}, "expert")])
+def test_an_unknown_arm_or_kind_of_driver_is_refused(wrong: dict[str, tuple[str, ...]], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        run_backwards_study(BackwardsStudy(heatmaps=None, **{"arms": ("none",), **wrong}), processes=1)
+
+
+def test_an_arm_that_needs_a_model_is_refused_without_one() -> None:
+    with pytest.raises(ValueError, match="needs a model"):
+        run_backwards_study(BackwardsStudy(heatmaps=None, arms=("two_way",)), processes=1)
 
 
 def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: HeatmapModel) -> None:

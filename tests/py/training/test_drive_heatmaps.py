@@ -52,6 +52,14 @@ def test_memory_is_bounded_on_the_longest_drives(driven) -> None:
     assert HeatmapLearningConfig().for_logs([beyond]).targets.spacing == 2.5
 
 
+def test_a_stick_at_rest_throughout_teaches_nothing_and_says_so(driven, commanded) -> None:
+    for log in (driven, commanded):
+        still = dataclasses.replace(log, joystick=log.joystick * 0)
+        with pytest.raises(ValueError, match=r"joystick is at rest in all \d+ pairs"):
+            learn_joystick([still], HeatmapLearningConfig())
+        learn_joystick([still, log], HeatmapLearningConfig())
+
+
 def test_a_log_with_commands_and_a_note_teaches_by_the_safe_stick(commanded) -> None:
     pairs = joystick_pairs(commanded)
     np.testing.assert_array_equal(

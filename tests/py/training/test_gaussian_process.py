@@ -1,5 +1,6 @@
 """Gaussian processes against scikit-learn's, and the search of their hyper-parameters against SciPy's."""
 
+import copy
 import pickle
 import threading
 
@@ -104,6 +105,16 @@ def test_the_same_seed_gives_the_same_parameters() -> None:
     first, second = (fit_hyper_parameters(X, y, variances) for _ in range(2))
     assert np.array_equal(first.kernel.lengthscales, second.kernel.lengthscales)
     assert first.noise == second.noise
+
+
+def test_the_moments_of_y_are_those_of_f_with_the_noise_added() -> None:
+    random = np.random.default_rng(4)
+    X, y = random.normal(size=(30, 2)), random.normal(size=30)
+    process = GaussianProcess(X, y, np.zeros(30), Kernel(1.0, [0.7, 0.7]), 0.3)
+    for queries in (random.normal(size=(2, 2)), random.normal(size=(40, 2))):
+        of_f, of_y = process.predict(queries), process.predict(queries, with_noise=True)
+        np.testing.assert_array_equal(of_y.mean, of_f.mean)
+        np.testing.assert_allclose(of_y.variance, of_f.variance + 0.09, rtol=1e-12)
 
 
 def test_precise_samples_count_more_than_noisy_ones() -> None:
@@ -213,3 +224,31 @@ def test_the_estimator_fits_takes_known_noise_and_survives_pickling() -> None:
     for ours, theirs_ in zip(model.predict(X, return_std=True), again.predict(X, return_std=True), strict=True):
         assert np.array_equal(ours, theirs_)
     assert model.predict([[50.0, 50.0]])[0] == pytest.approx((y + 7).mean())
+
+
+def test_numbers_whose_squares_are_none_are_refused() -> None:
+    for amplitude, lengthscale, said in (
+        (1e200, 1.0, "amplitude"),
+        (1e-320, 1.0, "amplitude"),
+        (1.0, 1e-320, "length"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            Kernel(amplitude, [lengthscale])
+    with pytest.raises(ValueError, match=r"targets must lie within .-1e150"):
+        GaussianProcess(np.zeros((2, 1)), np.array([1.0, 1e300]), np.ones(2), Kernel(1.0, [1.0]), 0.1)
+    with pytest.raises(ValueError, match="finite and rising"):
+        differential_evolution(lambda x: 1.0, np.array([[-1e308, 1e308]]))
+
+
+@pytest.mark.parametrize("answer", [None, "much", np.zeros(2)])
+def test_an_objective_that_gives_no_number_is_refused(answer: object) -> None:
+    with pytest.raises(ValueError, match="no number"):
+        differential_evolution(lambda x: answer, np.array([[0.0, 1.0]]))  # type: ignore[arg-type,return-value]
+
+
+def test_a_search_can_be_copied_and_sent_to_another_process() -> None:
+    config = HyperParameterConfig(evolution=DifferentialEvolutionConfig(population=7, tolerance=0.5, seed=2**64 - 1))
+    for other in (pickle.loads(pickle.dumps(config)), copy.deepcopy(config)):
+        names = ("population", "generations", "recombination", "mutation_low", "mutation_high")
+        for name in (*names, "tolerance", "absolute_tolerance", "seed"):
+            assert getattr(other.evolution, name) == getattr(config.evolution, name)

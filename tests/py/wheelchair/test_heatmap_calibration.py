@@ -56,6 +56,13 @@ def test_the_error_is_the_one_counted_by_hand():
     np.testing.assert_array_equal(judged.count, [2, 1, 2])
 
 
+def test_the_likeliest_cells_are_those_with_half_of_all_crossings():
+    p, y = np.array([0.1, 0.9, 0.3, 0.8, 0.2, 0.0]), np.array([1, 1, 0, 1, 1, 0], bool)
+    judged = reliability(p, y)
+    assert judged.top_error == pytest.approx((abs(0.9 - 1) + abs(0.8 - 1)) / 2)  # 2 of 4 crossings in the first two
+    assert np.isnan(reliability(p, np.zeros(6, bool)).top_error)
+
+
 @pytest.mark.parametrize("value", [0.0, 1.0])
 def test_cells_all_alike_have_one_probability(value):
     calibration = HeatmapCalibration.fit(np.full(10, value), np.arange(10) < 3)

@@ -90,3 +90,20 @@ def test_compliance_falls_with_the_angle_from_the_stick(planner: HeatmapPlanner)
     points = 0.8 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     found = planner.compliances(points, np.array([0.8, 0.0]))
     assert found[0] > 0.9 and (np.diff(found) < 0).all()
+
+
+def test_the_printed_compliance_is_the_user_heatmaps_value_at_the_control_point(heatmap_model: Path) -> None:
+    """ERRATA 29: it holds the distance filter, so even where the stick points a look-ahead on it stays under .9."""
+    printed = HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig.thesis(), ChairGeometry())
+    stick, observation = np.array([0.8, 0.1]), seen((0.8, 0.1))
+    heat = printed.heat(observation, around(observation)[0])
+    assert heat is not None
+    points = np.array([[0.83, 0.08], [0.5, -0.4], [2.4, 0.31]])
+    cells = np.floor((points + 2.5) / 0.05).astype(int)
+    found = printed.compliances(points, stick)
+    np.testing.assert_array_equal(found, heat.user[cells[:, 1], cells[:, 0]])
+    assert found.max() > 0.5
+    way = heat.orientation.mean + np.linspace(-0.3, 0.3, 121)
+    nearby = 0.8 * np.stack([np.cos(way), np.sin(way)], axis=1)
+    assert printed.compliances(nearby, stick).max() < 0.9
+    assert not printed.compliances(nearby, np.zeros(2)).any()

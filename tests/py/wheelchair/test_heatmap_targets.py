@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
-from lfdcore.wheelchair.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs, squashed
+from lfdcore.wheelchair.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs
 
 ALL_FREE = np.ones((100, 100), bool)
 BARE = HeatmapTargetConfig(sigma=0.0, path_radius=0.0, end_radius=0.0)
@@ -162,6 +162,10 @@ def test_the_own_way_is_the_one_after_the_scan_and_no_later_visit():
     )
     assert own[:40].max() < 0.02  # what the Gaussian leaves
     assert place[:40].max() > 0.4  # the last leg, which bends to the right
+    pairs = heatmap_pairs([log], HeatmapTargetConfig(paths="own", spacing=0.0))
+    last = pairs.target[pairs.scan == 105][0].astype(float)  # 10.3 s: back at the start, about to bend to the right
+    assert last[:40].max() > 0.4
+    assert last[50, 80:].max() < 0.02  # where the first leg went
 
 
 @pytest.mark.parametrize("paths", ["place", "own"])
@@ -201,11 +205,17 @@ def test_scans_are_taken_a_spacing_of_way_apart():
     assert pairs.dropped["too near to the scan before"] > 50
 
 
-@pytest.mark.parametrize("pose", ["here", "1 2", "1 2 nan"])
+@pytest.mark.parametrize("pose", ["here", "1 2", "1 2 nan", "1e300 0 0"])
 def test_a_place_without_a_pose_is_a_data_error(pose):
     log = around_the_corner(place="L")
     with pytest.raises(DataError, match="T_place_odom"):
         heatmap_pairs([DriveLog(**{**vars(log), "metadata": {"place": "L", "T_place_odom": pose}})])
+
+
+def test_an_odometry_that_is_no_vehicles_is_refused_before_it_fills_the_memory():
+    log = around_the_corner()
+    with pytest.raises(DataError, match=r"odometry of log 'corridor' is 1\S+e.06 m long, must be at most 100000 m"):
+        heatmap_pairs([DriveLog(**{**vars(log), "pose": log.pose * [1e5, 1e5, 1]})])
 
 
 @pytest.mark.parametrize(
@@ -222,8 +232,7 @@ def test_a_target_that_cannot_be_drawn_is_refused(changes, said):
         HeatmapTargetConfig(**changes)
 
 
-def test_an_all_zero_heatmap_stays_all_zero():
-    assert not squashed(np.zeros((100, 100), np.float32)).any()
+def test_no_path_makes_an_all_zero_target_and_another_window_is_refused():
     assert not draw_target(ALL_FREE, np.zeros((0, 2)), np.zeros(0, int), HeatmapTargetConfig()).any()
     with pytest.raises(ValueError, match="shape"):
         draw_target(np.ones((50, 50), bool), np.zeros((0, 2)), np.zeros(0, int), HeatmapTargetConfig())

@@ -1,6 +1,7 @@
 """The joystick model: bins, fallback, calibration, file, adaptation to the driver."""
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from lfdcore.wheelchair.joystick_model import (
     JoystickModel,
     JoystickModelConfig,
     JoystickPrior,
+    bin_of,
 )
 
 Floats = NDArray[np.float64]
@@ -66,6 +68,26 @@ def test_bins_hold_what_a_loop_over_the_pairs_finds() -> None:
             assert bins.variance[index] == pytest.approx((safe - raw)[inside].var(0))
 
 
+@pytest.mark.parametrize("noise", ["of_mean", "of_samples"])
+def test_a_bins_noise_is_its_variance_taken_together_with_the_pooled_one(
+    noise: Literal["of_mean", "of_samples"],
+) -> None:
+    config = JoystickModelConfig(noise=noise, pooled_samples=3.0)
+    raw, safe = drive(1, 60, bias=0.2)
+    bins = JoystickBins.of_pairs(raw, safe, config)
+    offset, members = safe - raw, [bin_of(raw, 10) == b for b in range(100)]
+    there = [m for m in members if m.any()]
+    squares = np.sum([((offset[m] - offset[m].mean(0)) ** 2).sum(0) for m in there], axis=0)
+    pooled = squares / sum(m.sum() - 1 for m in there)
+    for axis in (0, 1):
+        inputs, targets, variances = bins.training_data(axis, config)
+        assert len(inputs) == len(there)
+        for m, target, variance in zip(there, targets, variances, strict=True):
+            shared = (m.sum() * offset[m, axis].var() + 3 * pooled[axis]) / (m.sum() + 3)
+            assert target == pytest.approx(offset[m, axis].mean())
+            assert variance == pytest.approx(shared / m.sum() if noise == "of_mean" else shared)
+
+
 @given(
     st.lists(st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE), min_size=1, max_size=30), COORDINATE, COORDINATE
 )
@@ -106,6 +128,18 @@ def test_the_variance_is_that_of_the_wanted_input(trained: JoystickModel) -> Non
     score = (wanted - mean) ** 2 / variance
     assert np.all((score.mean(0) > 0.8) & (score.mean(0) < 1.25))
     assert np.mean(score < 1.96**2) == pytest.approx(0.95, abs=0.02)
+
+
+def test_the_scatter_around_f_is_interpolated_between_the_bins_centres_and_constant_beyond() -> None:
+    forward, left = np.meshgrid(np.arange(10), np.arange(10), indexing="ij")
+    centre = np.stack([forward.ravel(), left.ravel()], axis=1) * 0.2 - 0.9
+    many = np.full(100, 1e9)
+    variance = np.stack([0.1 + 0.01 * forward.ravel(), 0.2 + 0.02 * left.ravel()], axis=1)
+    model = JoystickModel(JoystickBins(many, centre, np.zeros((100, 2)), variance), PRIORS)
+    for at in ((0.33, -0.58), (-0.9, 0.21), (0.11, 0.9), (1.0, -1.0)):
+        step = np.clip((np.array(at) + 0.9) / 0.2, 0, 9)
+        scatter = (0.1 + 0.01 * step[0] + PRIOR.noise**2, 0.2 + 0.02 * step[1] + PRIOR.noise**2)
+        assert model.predict(at).variance == pytest.approx(scatter, abs=1e-3)
 
 
 def test_learning_from_pairs_finds_a_bias_and_beats_the_raw_stick() -> None:
@@ -228,6 +262,22 @@ def test_one_pair_at_a_time_gives_the_statistics_of_all_at_once(trained: Joystic
         adapter.add(*pair)
     for name, values in JoystickBins.of_pairs(raw, safe).tensors().items():
         assert adapter.model.bins.tensors()[name] == pytest.approx(values, abs=1e-6)
+
+
+def test_relabelled_pairs_are_as_if_they_had_been_given_so(trained: JoystickModel) -> None:
+    raw, _ = drive(5, 300, 0.0)
+    once, anew = JoystickAdapter(trained), JoystickAdapter(trained)
+    for x in raw:
+        once.add(x, x)
+        anew.add(x, np.clip(turned(x[None], 0.3)[0], -1, 1))
+    anew.relabel(anew.own.raw)
+    np.testing.assert_allclose(anew.own.target, once.own.target, atol=1e-12)
+    assert not anew.own.target[anew.own.count == 0].any()
+    for bad in (np.full((100, 2), np.nan), np.zeros((99, 2))):
+        before = anew.own.target.copy()
+        with pytest.raises(ValueError, match="wanted must be finite"):
+            anew.relabel(bad)
+        np.testing.assert_array_equal(anew.own.target, before)
 
 
 def test_reset_and_resume_go_back_to_the_trained_model_and_to_the_driver(

@@ -27,7 +27,7 @@ def drive(home_model: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[P
     config = RunConfig(slowest=course.length / SECONDS)  # too little time for the whole course
     path = tmp_path_factory.mktemp("replay") / "drive.mcap"
     trace = run_drive(
-        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), config), 2, config, path
+        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), config), 3, config, path
     )
     return path, trace
 

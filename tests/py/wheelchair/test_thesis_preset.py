@@ -23,6 +23,7 @@ from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
 from lfdcore.study.courses import home
 from lfdcore.study.drivers import ExpertDriver
 from lfdcore.study.runner import run_drive
+from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
@@ -35,6 +36,7 @@ from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {
     "learning": (LearningConfig.thesis(), LearningConfig()),
+    "heatmap_learning": (HeatmapLearningConfig.thesis(), HeatmapLearningConfig()),
     "assistant": (DriveAssistantConfig.thesis(), DriveAssistantConfig()),
     "prediction": (PathPredictionConfig.thesis(), PathPredictionConfig()),
 }
@@ -147,6 +149,12 @@ def learning_outcome(config: LearningConfig, logs: list[Any], seen: list[Observa
     yield from (model.intention.predict(stick, one.scan, mounting).tobytes() for one in seen for stick in STICKS)
 
 
+def joystick_outcome(config: HeatmapLearningConfig, log: Any) -> Iterator[bytes]:
+    """What sticks are taken to mean; of the preset's fields none is the network's."""
+    model = learn_joystick([log], config)
+    yield from (np.array(model.predict(stick)).tobytes() for stick in STICKS)
+
+
 def prediction_outcome(
     config: PathPredictionConfig, model: DriveAssistantModel, seen: list[Observation], mounting: Pose2
 ) -> Iterator[bytes]:
@@ -251,6 +259,8 @@ def outcome(
     def of(kind: str, config: Any) -> Iterator[Any]:
         if kind == "learning":
             return learning_outcome(config, [log, restless], seen)
+        if kind == "heatmap_learning":
+            return joystick_outcome(config, log)
         if kind == "prediction":
             return prediction_outcome(config, model, seen, log.T_base_laser)
         return assistant_outcome(config, model, HeatmapModel.load(heatmap_model))

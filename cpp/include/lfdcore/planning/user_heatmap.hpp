@@ -33,7 +33,7 @@ struct UserHeatmap {
   FloatGrid heatmap;  ///< (100, 100): times the distance filter, divided by the maximum (F12), within [0, 1]
 };
 
-/// Eq. 4.3 with the difference of orientations wrapped (ERRATA 27); 0 where less than 1e-34 of the largest. Does not
+/// Eq. 4.3 with the difference of orientations wrapped (ERRATA 27); 0 where less than 2e-35 of the largest. Does not
 /// allocate into a result used before. Throws std::invalid_argument for a mean that is not finite or a variance that is
 /// not within 1e-6..1e6 rad^2.
 void user_heatmap(const MovementTemplate& movement, const OrientationMoments& orientation, UserHeatmap& result);
