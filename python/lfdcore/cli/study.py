@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
-from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
+from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:

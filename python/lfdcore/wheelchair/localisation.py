@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
