@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.goals import Goals
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.goal_evaluation import BeliefTrack
+from lfdcore.study.goal_plots import goal_colour
 from lfdcore.study.plots import PAGE, STYLE, draw_grid, styled
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
@@ -27,11 +28,6 @@ _SIGMAS = 2.0
 """Semi-axes of the ellipses in standard deviations"""
 Track = tuple[GoalSamples, BeliefTrack]
 """one drive and the beliefs along it"""
-
-
-def goal_colour(goal: int) -> str:
-    """A goal's colour in every picture."""
-    return f"C{goal % 10}"
 
 
 def ellipse_of(mean: Floats, covariance: Floats, colour: str) -> Ellipse:
@@ -85,7 +81,7 @@ def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
     likelihood of each goal, the nearest one's in its colour."""
     samples, beliefs = track
     figure = Figure(figsize=(PAGE, 6.0), layout="compressed")
-    above, below = figure.subfigures(2, 1, height_ratios=[1.15, 1])
+    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1]))
     for axes, share in zip(above.subplots(1, 4, sharey=True), (0.25, 0.5, 0.75, 1.0), strict=True):
         at = min(int(np.searchsorted(samples.stamp, share * samples.stamp[-1])), len(samples) - 1)
         _map_axes(axes, grid)

@@ -98,7 +98,7 @@ def quarter_of_drive(samples: GoalSamples) -> NDArray[np.int64]:
     """(N,) 0..3: which quarter of its drive's duration a sample lies in."""
     ends = {drive: samples.stamp[samples.drive == drive].max() for drive in np.unique(samples.drive)}
     share = samples.stamp / np.array([max(ends[drive], 1e-9) for drive in samples.drive])
-    return np.minimum((4 * share).astype(np.int64), 3)
+    return np.asarray(np.minimum((4 * share).astype(np.int64), 3))
 
 
 @dataclass(frozen=True)

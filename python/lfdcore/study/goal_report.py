@@ -33,9 +33,9 @@ def accuracy_table(result: GoalResult) -> Table:
         f"seed {result.study.seed})",
         ("", "all", "1st quarter", "2nd quarter", "3rd quarter", "4th quarter"),
         tuple(rows),
-        "Below: 95 % interval by a bootstrap of whole drives, of which there are few: it is too narrow. Quarters: of each "
-        "drive's duration. Gaussian process and filter: the goal nearest to the belief's mean; the thesis has 65 % with "
-        "all data, 62 % with the subset.",
+        "Below: 95 % interval by a bootstrap of whole drives, of which there are few: it is too narrow. Quarters: of "
+        "each drive's duration. Gaussian process: the goal nearest to the belief's mean. The thesis has 65 % with all "
+        "data, 62 % with the subset.",
     )
 
 
@@ -82,8 +82,8 @@ def noise_table(result: GoalResult) -> Table:
         ("to (mean drive)", "noise [%]", *(f"driver {k + 1}" for k in range(TRIALS)), "share of drive"),
         tuple(rows),
         f"The first time that its likelihood reaches .9. Over all: {_percent(share.mean)} +- {100 * share.sd:.0f} % of "
-        f"the drive (thesis 45 +- 12 %), never in {share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian on "
-        "both axes of the recorded stick, cut at full scale; the chair was driven without it.",
+        f"the drive (thesis 45 +- 12 %), never in {share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian "
+        "on both axes of the recorded stick, cut at full scale; the chair was driven without it.",
     )
 
 
@@ -123,8 +123,8 @@ def time_table(result: GoalResult) -> Table:
         "Time of a belief's update, all data / subset (as Table 2.2)",
         ("", "here", "thesis, CPU", "thesis, GPU"),
         ((f"N = {n} / {s}", ratio, "258 (9153 / 800)", "31 (9153 / 800)"),),
-        f"One thread, median of 20 updates; the subset's took {1e3 * sparse:.1f} ms on this machine (thesis 41 ms, 28 ms). "
-        "benchmarks/bench_action_model.py compares with other implementations.",
+        f"One thread, median of 20 updates; the subset's took {1e3 * sparse:.2f} ms on this machine (thesis 41 ms, 28 "
+        "ms). benchmarks/bench_action_model.py compares with other implementations.",
     )
 
 
@@ -183,7 +183,7 @@ def goal_pictures(result: GoalResult) -> list[Picture]:
         ),
         Picture(
             likelihood_figure(goals, [(one, said, said.argmax(axis=1)) for one, said in network]),
-            "As Fig. 2.5: the network's likelihoods along the held-out drives, unfiltered; that of the likeliest in its "
+            "As Fig. 2.5: the network's likelihoods along the held-out drives, unfiltered; the largest in its goal's "
             "colour.",
         ),
         Picture(
@@ -220,8 +220,8 @@ def goal_headline(result: GoalResult) -> str:
     ]
     return (
         f"Destination named right: {', '.join(parts)}; best baseline ({best.method}) {_percent(best.share)}. "
-        f"n = {best.samples} samples of {best.drives} held-out drives, {len(result.model.goals)} destinations, simulated "
-        f"able drivers, seed {result.study.seed}."
+        f"n = {best.samples} samples of {best.drives} held-out drives, {len(result.model.goals)} destinations, "
+        f"simulated able drivers, seed {result.study.seed}."
     )
 
 

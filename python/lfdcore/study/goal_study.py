@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -105,7 +106,7 @@ def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalRe
     """Drives, learns, judges. ValueError as record_goal_drives and learn_goals; needs torch."""
     tell = progress or (lambda stage, done, total: None)
     drives = record_goal_drives(
-        study.folder, study.world, study.seed, processes=study.processes, progress=lambda d, n: tell("drive", d, n)
+        study.folder, study.world, study.seed, processes=study.processes, progress=partial(tell, "drive")
     )
     goals = study.world.goals
     learning = replace(study.learning, seed=study.seed)
@@ -148,7 +149,7 @@ def _tracks(
     tracks = {}
     for name, one in models.items():
         for label, how in ((name, model), (f"{name}, no process noise", without)):
-            tracks[label] = track_beliefs(how, held_out, one, lambda d, n, label=label: tell(label, d, n))
+            tracks[label] = track_beliefs(how, held_out, one, partial(tell, label))
     return tracks
 
 
@@ -168,7 +169,7 @@ def _noise_trials(study: GoalStudy, model: GoalModel, tell: Progress) -> tuple[N
         study.world,
         study.seed + TRIAL_SEED,
         processes=study.processes,
-        progress=lambda d, n: tell("drive with noise", d, n),
+        progress=partial(tell, "drive with noise"),
     )
     trials = []
     for k, (name, run) in enumerate(zip(drives.destinations, drives.runs, strict=True)):

@@ -22,28 +22,45 @@ from lfdcore.estimation import (
 from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
 from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
-from lfdcore.wheelchair.goal_samples import GoalSamples, goal_samples, goal_state
+from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_samples, goal_state
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""
 Floats = NDArray[np.float64]
 
 
-def _search(generations: int, seed: int) -> HyperParameterConfig:
-    evolution = DifferentialEvolutionConfig(absolute_tolerance=0.1, generations=generations, seed=seed)
-    return HyperParameterConfig(lengthscale=(0.02, 20.0), amplitude=(0.1, 10.0), noise=(0.05, 1.0), evolution=evolution)
+@dataclass(frozen=True, kw_only=True)
+class LongestScales:
+    """Upper ends of the kernels' length-scales; what each is for stands in docs/decisions.md."""
+
+    position: float = 0.4
+    """[m]"""
+    heading: float = 0.7
+    """of cosine and sine, or [rad]"""
+    linear: float = 0.5
+    """[m/s]"""
+    angular: float = 1.0
+    """[rad/s]"""
+    goal: float = 10.0
+    """[m]"""
+
+    def of(self, heading: Heading) -> tuple[float, ...]:
+        """(Dx + 2,) in the order of a state and a goal."""
+        headings = (self.heading,) * (1 if heading == "raw" else 2)
+        return (self.position, self.position, *headings, self.linear, self.angular, self.goal, self.goal)
 
 
 @dataclass(frozen=True, kw_only=True)
 class GoalLearningConfig:
     """filter: how the model will be used; network: of Sec. 2.2; search_samples: drawn by seed, on which kernels (C.3)
-    are searched for `searches` times from other populations of `generations` each, the best being kept; subset: how
-    many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it takes the best at a step."""
+    are searched for `searches` times from other populations of `generations` each, the best being kept; longest: ends of
+    that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it takes the best at a step."""
 
     filter: GoalFilterConfig = field(default_factory=GoalFilterConfig)
     network: GoalNetConfig = field(default_factory=GoalNetConfig)
     search_samples: int = 400
     searches: int = 2
+    longest: LongestScales = field(default_factory=LongestScales)
     generations: int = 60
     subset: int = 800
     candidates: int = 59
@@ -140,7 +157,16 @@ def action_inputs(samples: GoalSamples, goals: Goals, config: GoalLearningConfig
 
 
 def _search_once(inputs: Floats, targets: Floats, config: GoalLearningConfig, number: int) -> HyperParameters:
-    search = _search(config.generations, config.seed + number)
+    evolution = DifferentialEvolutionConfig(
+        absolute_tolerance=0.1, generations=config.generations, seed=config.seed + number
+    )
+    search = HyperParameterConfig(
+        lengthscale=(0.01, 1.0),
+        longest=config.longest.of(config.filter.heading),
+        amplitude=(0.1, 10.0),
+        noise=(0.01, 1.0),
+        evolution=evolution,
+    )
     return fit_hyper_parameters(inputs, np.ascontiguousarray(targets), np.zeros(len(inputs)), search)
 
 

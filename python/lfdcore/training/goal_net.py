@@ -71,7 +71,7 @@ def _optimise(
     optimiser = torch.optim.AdamW(weights, config.learning_rate, weight_decay=config.weight_decay)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, config.epochs)
     for epoch in range(config.epochs):
-        for part in torch.randperm(len(x), generator=random).split(config.batch):
+        for part in torch.split(torch.randperm(len(x), generator=random), config.batch):
             optimiser.zero_grad()
             said = output(torch.sigmoid(hidden(x[part])))
             functional.binary_cross_entropy_with_logits(said, y[part]).backward()  # type: ignore[no-untyped-call]

@@ -33,6 +33,8 @@ class HyperParameterConfig:
     """Times the targets' root mean square."""
     lengthscale: Range = (0.01, 100.0)
     """Times the range of each input dimension."""
+    longest: tuple[float, ...] = ()
+    """The upper ends of the length-scales, one a dimension in its own unit, where not those of `lengthscale`."""
     noise: Range = (0.001, 1.0)
     """Times the targets' root mean square; not 0, or duplicate inputs have no likelihood."""
     evolution: DifferentialEvolutionConfig = field(default_factory=_evolution)
@@ -44,6 +46,8 @@ class HyperParameterConfig:
             low, high = getattr(self, name)
             if not 0 < low < high < np.inf:
                 raise ValueError(f"{name} is {(low, high)}, must be finite, > 0 and rising")
+        if not all(0 < length < np.inf for length in self.longest):
+            raise ValueError(f"longest is {self.longest}, must be finite and > 0")
 
 
 @dataclass(frozen=True)
@@ -58,12 +62,15 @@ class HyperParameters:
 
 
 def search_bounds(inputs: Floats, targets: Floats, config: HyperParameterConfig) -> Floats:
-    """(D + 2, 2): the box of log amplitude, log length-scales and log noise."""
+    """(D + 2, 2): the box of log amplitude, log length-scales and log noise. ValueError for another number of `longest`."""
     scale = float(np.sqrt(np.mean(targets**2))) or 1.0
-    width = np.ptp(inputs, axis=0)
-    rows = [np.multiply(config.amplitude, scale)]
-    rows += [np.multiply(config.lengthscale, w or 1.0) for w in width]
-    rows += [np.multiply(config.noise, scale)]
+    lengthscales = np.multiply.outer([w or 1.0 for w in np.ptp(inputs, axis=0)], config.lengthscale)
+    if config.longest:
+        if len(config.longest) != len(lengthscales):
+            raise ValueError(f"longest has {len(config.longest)} length-scales for {len(lengthscales)} dimensions")
+        lengthscales[:, 1] = config.longest
+        lengthscales[:, 0] = np.minimum(lengthscales[:, 0], lengthscales[:, 1] / 10)
+    rows = [np.multiply(config.amplitude, scale), *lengthscales, np.multiply(config.noise, scale)]
     bounds: Floats = np.log(np.array(rows))
     return bounds
 

@@ -36,7 +36,7 @@ class GoalFilterConfig:
     heading: Heading = "embedded"
     projected: bool = True
     """The subset projects all data (ERRATA 14); False: it replaces them, as printed."""
-    process_noise: float = 0.1
+    process_noise: float = 0.8
     """[m^2] that the belief's variance grows by at each update: samples at 10 Hz are not independent (ERRATA 6)."""
     at_rest: float = 0.05
     """A stick displaced less says nothing of a destination: not learned from, and the belief stays."""
@@ -101,7 +101,7 @@ class GoalModel:
         """One file, the same bytes for the same model."""
         goals = [dataclasses.asdict(goal) for goal in self.goals.goals]
         kernels = [_kernel_values(kernel) for kernel in self.kernels]
-        header = {"goals": goals, "map": str(self.goals.map or ""), "frame": "map", "kernels": kernels}
+        header: dict[str, Any] = {"goals": goals, "map": str(self.goals.map or ""), "frame": "map", "kernels": kernels}
         header |= {"config": dataclasses.asdict(self.config), "metadata": self.metadata}
         write_tensor_file(path, KIND, VERSION, header, self._tensors())
 
