@@ -81,14 +81,15 @@ def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
     likelihood of each goal, the nearest one's in its colour."""
     samples, beliefs = track
     figure = Figure(figsize=(PAGE, 6.0), layout="compressed")
-    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1]))
-    for axes, share in zip(above.subplots(1, 4, sharey=True), (0.25, 0.5, 0.75, 1.0), strict=True):
+    panels: dict[str, Axes] = figure.subplot_mosaic("0123;llll", height_ratios=[1.15, 1])
+    for quarter in range(4):
+        axes, share = panels[str(quarter)], (quarter + 1) / 4
         at = min(int(np.searchsorted(samples.stamp, share * samples.stamp[-1])), len(samples) - 1)
         _map_axes(axes, grid)
         _draw_goals(axes, goals)
         _draw_belief(axes, track, at, goal_colour(int(beliefs.nearest[at])))
         axes.set_title(f"{samples.stamp[at]:.0f} s: {goals.names[beliefs.nearest[at]]}")
-    axes = below.subplots()
+    axes = panels["l"]
     _draw_likelihoods(axes, samples.stamp, beliefs.likelihood, beliefs.nearest)
     axes.set(xlabel="time [s]", ylabel="likelihood")
     for k, name in enumerate(goals.names):

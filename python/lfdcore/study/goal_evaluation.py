@@ -140,9 +140,12 @@ def confusion(truth: Goals, said: Goals, goals: int) -> NDArray[np.int64]:
 
 
 def confidence_time(likelihood: Floats, stamp: Floats, goal: int, confidence: float = 0.9) -> float:
-    """[s] at which the likelihood (T, L) of the true goal first reaches `confidence` (Table 2.1); NaN if never."""
-    sure = np.flatnonzero(likelihood[:, goal] >= confidence)
-    return float(stamp[sure[0]]) if len(sure) else float("nan")
+    """[s] from which on the likelihood (T, L) of the true goal is `confidence` or more for the rest of the drive (Table
+    2.1); NaN where it is not at the end. The first time would be the earlier, the more noise throws it about."""
+    unsure = np.flatnonzero(likelihood[:, goal] < confidence)
+    if not len(unsure):
+        return float(stamp[0])
+    return float(stamp[unsure[-1] + 1]) if unsure[-1] + 1 < len(stamp) else float("nan")
 
 
 def drives_of(samples: GoalSamples) -> Sequence[GoalSamples]:

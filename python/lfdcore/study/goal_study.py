@@ -164,8 +164,10 @@ def _accuracies(
 
 def _noise_trials(study: GoalStudy, model: GoalModel, tell: Progress) -> tuple[NoiseTrial, ...]:
     """Five drivers to the first destinations; the noise comes onto the recorded stick, the chair was driven without."""
+    folder = study.folder / "trials"
+    folder.mkdir(exist_ok=True)
     drives = record_goal_drives(
-        study.folder / "trials",
+        folder,
         study.world,
         study.seed + TRIAL_SEED,
         processes=study.processes,

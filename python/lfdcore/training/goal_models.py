@@ -53,8 +53,9 @@ class LongestScales:
 @dataclass(frozen=True, kw_only=True)
 class GoalLearningConfig:
     """filter: how the model will be used; network: of Sec. 2.2; search_samples: drawn by seed, on which kernels (C.3)
-    are searched for `searches` times from other populations of `generations` each, the best being kept; longest: ends of
-    that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it takes the best at a step."""
+    are searched for `searches` times from other populations of `generations` each, the best being kept; longest: ends
+    of that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it
+    takes the best at a step."""
 
     filter: GoalFilterConfig = field(default_factory=GoalFilterConfig)
     network: GoalNetConfig = field(default_factory=GoalNetConfig)

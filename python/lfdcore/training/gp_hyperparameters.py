@@ -62,7 +62,7 @@ class HyperParameters:
 
 
 def search_bounds(inputs: Floats, targets: Floats, config: HyperParameterConfig) -> Floats:
-    """(D + 2, 2): the box of log amplitude, log length-scales and log noise. ValueError for another number of `longest`."""
+    """(D + 2, 2): the box of log amplitude, log length-scales and log noise. ValueError if `longest` does not fit."""
     scale = float(np.sqrt(np.mean(targets**2))) or 1.0
     lengthscales = np.multiply.outer([w or 1.0 for w in np.ptp(inputs, axis=0)], config.lengthscale)
     if config.longest:
