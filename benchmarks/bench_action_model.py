@@ -1,10 +1,10 @@
 """Belief updates over a goal (2.2-2.3): lfdcore against torch, on the same equations and samples.
 
-The rival is lfdcore.training.torch_action_model on one thread, the way a user would write it: batched float64, no loop
-over samples, but none of what is gained by samples that share a goal. N = 800 is a subset as training set, N = 9153 the full model, whose
-matrices torch makes and drops in turn (some 2.5 GB). `far` leaves the samples in their 72 x 72 m, so that most are far
-from any one state; `near` has length-scales so long that every sample counts and all of D is read. One process,
-interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
+The rival is lfdcore.training.torch_action_model on one thread, as a user would write it: batched float64, no loop over
+samples, but none of what is gained where samples share a goal. N = 800 is a subset as training set, N = 9153 the full
+model, whose matrices torch makes and drops in turn (some 2.5 GB). `far` leaves the samples in their 72 x 72 m, so that
+most are far from any one state; `near` has length-scales so long that every sample counts and all of D is read. One
+process, interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
 """
 
 import os
