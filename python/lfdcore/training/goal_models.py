@@ -206,9 +206,9 @@ def kernel_likelihoods(
     drawn, found = drawn_samples(len(samples), config), []
     for axis, kernel in enumerate(kernels):
         tell("likelihood", axis, 2)
-        known = inputs, targets[:, axis]
-        of_drawn = log_likelihood(*(part[drawn] for part in known), kernel)
-        found.append(KernelLikelihood(len(drawn), len(samples), of_drawn, log_likelihood(*known, kernel)))
+        of_drawn = log_likelihood(inputs[drawn], targets[drawn, axis], kernel)
+        of_all = log_likelihood(inputs, targets[:, axis], kernel)
+        found.append(KernelLikelihood(len(drawn), len(samples), of_drawn, of_all))
     tell("likelihood", 2, 2)
     forward, left = found
     return forward, left
