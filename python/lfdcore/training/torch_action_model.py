@@ -161,6 +161,7 @@ class TorchIntentionFilter:
             raise ValueError(f"process_noise is {process_noise} m^2, must be >= 0 and finite")
         self.model, self.process_noise = model, process_noise
         self._prior = self._belief = Belief(np.asarray(mean, float), np.asarray(covariance, float))
+        self._root = _root(self._prior.covariance)
 
     @property
     def belief(self) -> Belief:
@@ -177,17 +178,26 @@ class TorchIntentionFilter:
         y = np.asarray(action, float)
         if y.shape != (len(self.model.kernels),) or not np.isfinite(y).all():
             raise ValueError(f"action must be {len(self.model.kernels)} finite numbers, is {y.tolist()}")
-        mean = self._belief.mean
-        covariance = self._belief.covariance + self.process_noise * np.eye(len(mean))
+        mean, covariance = self._belief.mean, self._widened(self._belief.covariance)
         m, G, C = self.model.moments(state, mean, covariance)
-        try:
-            np.linalg.cholesky(G)
-        except np.linalg.LinAlgError:
-            raise ValueError("the action's covariance is singular: give the action kernels a larger noise") from None
+        if _root(G) is None:
+            raise ValueError("the action's covariance is singular: give the action kernels a larger noise")
         gain = np.linalg.solve(G, C.T).T
         covariance = covariance - gain @ C.T  # 2.3
         self._belief = Belief(mean + gain @ (y - m), _positive(0.5 * (covariance + covariance.T)))  # 2.2
         return self._belief
+
+    def _widened(self, covariance: Floats) -> Floats:
+        """By the process noise, but in no direction beyond the prior."""
+        if self.process_noise == 0:
+            return covariance
+        wider = covariance + self.process_noise * np.eye(len(covariance))
+        if self._root is None:
+            return wider
+        relative = np.linalg.solve(self._root, np.linalg.solve(self._root, wider).T)
+        values, vectors = np.linalg.eigh(0.5 * (relative + relative.T))
+        basis = self._root @ vectors
+        return wider if values.max() <= 1 else np.asarray((basis * values.clip(max=1)) @ basis.T)
 
 
 def full_action_model(model: GoalModel, device: str) -> TorchActionModel:
@@ -217,6 +227,14 @@ def _require_fitting(states: Floats, goals: Floats, actions: Floats, kernels: Se
     for kernel in kernels:
         if (len(kernel.state_lengthscales), len(kernel.goal_lengthscales)) != (states.shape[1], goals.shape[1]):
             raise ValueError(f"a kernel's length-scales must fit states and goals of shape {shapes[0]}, {shapes[1]}")
+
+
+def _root(covariance: Floats) -> Floats | None:
+    """Lower Cholesky factor; None where there is none."""
+    try:
+        return np.asarray(np.linalg.cholesky(covariance))
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _positive(covariance: Floats) -> Floats:

@@ -1,6 +1,5 @@
 """The action model in torch gives the numbers of the C++ one (issue 4: to 1e-6), also along a filtered drive."""
 
-import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,7 +8,7 @@ import torch
 from goal_worlds import GOALS, drives, samples_of
 from numpy.typing import NDArray
 
-from lfdcore.estimation import ActionKernel, ActionModel
+from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
 from lfdcore.training.torch_action_model import TorchActionModel, full_action_model
 from lfdcore.wheelchair.global_goal import GoalFilter, GoalFilterConfig, GoalModel, prior_belief
 from lfdcore.wheelchair.goal_network import GoalNetwork
@@ -128,14 +127,25 @@ def test_an_update_that_is_refused_leaves_the_belief() -> None:
         full_action_model(model, "cpu").intention_filter(mean, covariance, -1.0)
 
 
-def test_a_belief_that_collapses_keeps_a_covariance() -> None:
-    """Noise so small that an action tells the goal: rounding leaves no variance below 0."""
-    model = goal_model(50)
-    sure = tuple(ActionKernel(50.0, k.state_lengthscales, k.goal_lengthscales, 1e-4) for k in KERNELS)
-    model = dataclasses.replace(model, kernels=sure)
-    mean, covariance = prior_belief(GOALS.positions)
-    running = full_action_model(model, "cpu").intention_filter(mean, 1e4 * covariance)
-    states, _, sticks = model.action_samples()
-    for k in range(20):
-        belief = running.update(states[k], sticks[k])
-        assert np.linalg.eigvalsh(belief.covariance)[0] >= -1e-9 * np.trace(belief.covariance)
+@pytest.mark.parametrize("width", [1e-3, 30.0])
+@pytest.mark.parametrize("singular", [False, True])
+def test_process_noise_widens_a_belief_as_in_cpp(width: float, singular: bool) -> None:
+    model, mean = goal_model(50), GOALS.positions.mean(axis=0)
+    prior = np.outer([2.0, 1.0], [2.0, 1.0]) + (0 if singular else 1) * np.eye(2)
+    ours = IntentionFilter(model.action_model("full"), mean, prior, process_noise=width)
+    theirs = full_action_model(model, "cpu").intention_filter(mean, prior, width)
+    for state, _, stick in zip(*model.action_samples(), strict=True):
+        one, other = ours.update(state, stick), theirs.update(state, stick)
+        np.testing.assert_allclose(other.mean, one.mean, rtol=1e-6)
+        np.testing.assert_allclose(other.covariance, one.covariance, rtol=1e-6, atol=1e-6 * np.trace(one.covariance))
+
+
+def test_a_belief_that_collapses_in_one_update_keeps_a_covariance() -> None:
+    """Sticks that tell the goal exactly: rounding leaves no variance below 0."""
+    goals = np.stack(np.meshgrid(*[np.linspace(-6, 6, 7)] * 2), -1).reshape(-1, 2)
+    kernel = ActionKernel(1.0, [1.0], [8.0, 8.0], 1e-4)
+    model = TorchActionModel(np.zeros((49, 1)), goals, 0.1 * goals, [kernel] * 2, "cpu")
+    belief = model.intention_filter([0, 0], 4 * np.eye(2)).update([0.0], [0.1, 0.2])
+    np.testing.assert_allclose(belief.mean, [1, 2], atol=1e-2)
+    assert np.linalg.eigvalsh(belief.covariance)[0] >= 0
+    assert np.trace(belief.covariance) < 1e-2
