@@ -11,6 +11,7 @@ import pytest
 from lfdcore.cli import main as command_line
 from lfdcore.datasets import DriveLog
 from lfdcore.study.driving import models_by_method
+from lfdcore.study.heatmap_demonstrations import drive_to_destinations
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.tensor_file import write_tensor_file
@@ -111,6 +112,28 @@ def test_three_kinds_side_by_side_in_one_table_and_picture(learned, folder, monk
     assert about["naive"]["compliant"] is None
     assert about["naive"]["rmse_compliant"] is None
     assert 0 < about["heatmaps"]["compliant"] <= 1
+
+
+def test_three_kinds_are_compared_as_in_table_4_2_with_concatenated_landscapes(learned, folder, monkeypatch, capsys):
+    (driven,) = drive_to_destinations(folder, 1, runs=1, processes=1).paths
+    picture, words = folder / "landscapes.png", [*learned.values(), driven, "--to", ".5"]
+    code, out, err = run(monkeypatch, capsys, "predict", *words, "--concatenated", picture)
+    assert code == 0, err
+    assert "A-posteriori comparison (as Table 4.2; n = 1 logs, " in out
+    assert "reward at positions" in out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    code, out, _ = run(monkeypatch, capsys, "predict", *words, "--concatenated", picture, "--json")
+    found = json.loads(out)["comparison"]
+    assert list(found) == ["primitives", "naive", "heatmaps"]
+    assert all(0 <= figures["rank"][0] <= 100 for figures in found.values())
+
+
+def test_a_comparison_without_a_model_of_each_kind_says_which_were_given(learned, folder, monkeypatch, capsys):
+    words = [learned["naive"], learned["heatmaps"], folder / "corner.mcap", "--concatenated", folder / "none.png"]
+    code, _, err = run(monkeypatch, capsys, "predict", *words)
+    assert code == 2
+    assert "one model of each kind; given are 0 of primitives, 1 naive, 1 of heatmaps" in " ".join(err.split())
+    assert not (folder / "none.png").exists()
 
 
 @pytest.mark.parametrize("option", [("--rule", "goal"), ("--preset", "thesis")])
