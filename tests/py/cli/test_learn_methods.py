@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lfdcore.cli import main as command_line
+from lfdcore.cli.common import print_facts
 from lfdcore.datasets import DriveLog
 from lfdcore.study.driving import models_by_method
 from lfdcore.study.heatmap_demonstrations import drive_to_destinations
@@ -73,6 +74,7 @@ def test_learning_shows_bars_and_learning_curves(learned, folder) -> None:
         assert "network" in told
         assert "epoch" in told
         assert told.count("kept") == 1
+        assert "train_losses" not in told  # they stand in the table
     assert "epoch" not in (folder / "primitives.txt").read_text()
 
 
@@ -151,6 +153,12 @@ def test_info_says_which_kind_a_model_is(learned, monkeypatch, capsys) -> None:
         found = json.loads(out)
         assert found["kind"] == kinds[name]
         assert found["logs"] == ["corner"]
+
+
+def test_info_tells_people_long_lists_by_their_ends(capsys) -> None:
+    print_facts({"loss": 0.10970439016819, "logs": [f"maze-{k}" for k in range(72)], "held_out": [5, 8]})
+    loss, logs, held_out = (line.split(maxsplit=1)[1] for line in capsys.readouterr().out.splitlines())
+    assert (loss, logs, held_out) == ("0.109704", "maze-0, maze-1, ..., maze-71 (72)", "5, 8")
 
 
 def test_a_study_refuses_a_naive_model(learned) -> None:
