@@ -136,7 +136,7 @@ def comparison_section(
         )
     )
     return Section(
-        "What the methods foretell, a posteriori",
+        "What the methods predict, a posteriori (Sec. 4.6.2)",
         f"All three methods see the same unassisted drives and plan every .5 s. {comparison_verdict(comparison)}",
         [comparison_table(comparison, seed)],
         pictures,
