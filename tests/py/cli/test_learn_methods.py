@@ -220,14 +220,23 @@ def test_what_cannot_be_learned_is_one_clear_line(folder, monkeypatch, capsys, w
     assert not output.exists()
 
 
-def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys) -> None:
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("learn", "drive", "corner.mcap", "--method", "heatmaps", "-o", "never.safetensors"),
+        ("study", "adaptation", "-o", "never", "--drivers", "1", "--processes", "1"),
+        ("study", "backwards", "-o", "never", "--drivers", "1", "--processes", "1"),
+    ],
+)
+def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys, words) -> None:
+    monkeypatch.chdir(folder)
     monkeypatch.setitem(sys.modules, "torch", None)
     for name in [n for n in sys.modules if n.startswith(("lfdcore.training.heatmap_net", "lfdcore.training.drive_"))]:
         monkeypatch.delitem(sys.modules, name)
-    words = ("learn", "drive", folder / "corner.mcap", "--method", "heatmaps", "-o", folder / "never.safetensors")
     code, _, err = run(monkeypatch, capsys, *words)
     assert code == 1
     assert "extra 'train'" in err
+    assert "Traceback" not in err
 
 
 @pytest.mark.parametrize("method", ["primitives", "naive", "heatmaps"])
