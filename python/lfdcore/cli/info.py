@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lfdcore.cli.common import JsonOption, print_json
+from lfdcore.cli.common import JsonOption, print_facts, print_json
 
 
 def info(
@@ -19,8 +19,7 @@ def info(
     if as_json:
         print_json(facts)
         return
-    for name, value in facts.items():
-        typer.echo(f"{name:>24}  {value}")
+    print_facts(facts)
 
 
 def _facts(file: Path) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from lfdcore.cli.common import (
     PresetOption,
     SeedOption,
     Stages,
+    print_facts,
     print_json,
     progress_bar,
     require_writable,
@@ -50,5 +51,4 @@ def learn_goals_command(
     if as_json:
         print_json(facts)
         return
-    for name, value in facts.items():
-        typer.echo(f"{name:>24}  {value}")
+    print_facts(facts)
