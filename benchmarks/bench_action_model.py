@@ -1,10 +1,10 @@
 """Belief updates over a goal (2.2-2.3): lfdcore against torch, on the same equations and samples.
 
-The rival is batched torch in float64 on one thread: no loop over samples, Q_ab by outer sums of precomputed terms, in
-place, the symmetric half of the pairs (a, b) only. N = 800 is a subset as training set, N = 9153 the full model, whose
-matrices torch makes and drops in turn (some 2 GB). `far` leaves the samples in their 72 x 72 m, so that most are far
-from any one state; `near` has length-scales so long that every sample counts and all of D is read. One process,
-interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
+The rival is lfdcore.training.torch_action_model on one thread, as a user would write it: batched float64, no loop over
+samples, but none of what is gained where samples share a goal. N = 800 is a subset as training set, N = 9153 the full
+model, whose matrices torch makes and drops in turn (some 2.5 GB). `far` leaves the samples in their 72 x 72 m, so that
+most are far from any one state; `near` has length-scales so long that every sample counts and all of D is read. One
+process, interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
 """
 
 import os
@@ -20,6 +20,7 @@ import torch
 from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
+from lfdcore.training.torch_action_model import TorchActionModel, TorchIntentionFilter
 
 Floats = NDArray[np.float64]
 GOALS = np.array([[8, 8], [64, 8], [64, 40], [60, 66], [10, 62], [12, 36.0]])
@@ -49,62 +50,6 @@ def kernels(scale: float) -> list[ActionKernel]:
     return [ActionKernel(0.6, lengths, [15, 15], 0.1), ActionKernel(0.5, lengths * 1.2, [18, 14], 0.12)]
 
 
-class Torch:
-    """The same filter, everything that does not depend on state and belief computed once."""
-
-    def __init__(self, states: Floats, goals: Floats, sticks: Floats, kernels: list[ActionKernel]) -> None:
-        self.states, self.goals, y = (torch.from_numpy(part.copy()) for part in (states, goals, sticks))
-        self.state_scales = [torch.tensor(k.state_lengthscales) for k in kernels]
-        self.H = [torch.tensor(k.goal_lengthscales) ** 2 for k in kernels]
-        self.variance, self.noise = [k.amplitude**2 for k in kernels], [k.noise**2 for k in kernels]
-        self.inverse, self.beta = [], []
-        for a in range(len(kernels)):
-            joint = torch.cat([self.states / self.state_scales[a], self.goals / self.H[a].sqrt()], 1)
-            K = torch.cdist(joint, joint, compute_mode="donot_use_mm_for_euclid_dist").square_().mul_(-0.5).exp_()
-            K.mul_(self.variance[a]).diagonal().add_(self.noise[a])
-            factor = torch.linalg.cholesky(K)
-            del K
-            self.inverse.append(torch.cholesky_inverse(factor))
-            self.beta.append(torch.cholesky_solve(y[:, [a]], factor)[:, 0])
-
-    def moments(self, x: torch.Tensor, mu: torch.Tensor, S: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        count, u = len(self.beta), self.goals - mu
-        near = [torch.exp(-0.5 * ((self.states - x) / scale).square().sum(1)) for scale in self.state_scales]
-        m, G, C = torch.zeros(count), torch.zeros(count, count), torch.zeros(len(mu), count)
-        for a in range(count):
-            wide = S + torch.diag(self.H[a])
-            solved = torch.linalg.solve(wide, u.T).T
-            scale = self.variance[a] * torch.sqrt(self.H[a].prod() / torch.det(wide))
-            q = scale * torch.exp(-0.5 * (u * solved).sum(1)) * near[a] * self.beta[a]
-            m[a], C[:, a] = q.sum(), S @ (solved.T @ q)
-        for a in range(count):
-            for b in range(a + 1):
-                Ha, Hb = self.H[a], self.H[b]
-                harmonic, total = Ha * Hb / (Ha + Hb), Ha + Hb
-                R = S + torch.diag(harmonic)
-                left, right = u * Hb / total, u * Ha / total
-                inverse = torch.linalg.inv(R)
-                own = -0.5 * (u.square() / total).sum(1)
-                Q = (u / total) @ u.T  # the exponent expanded: one product of (N, 2) matrices
-                Q.addmm_(left @ inverse, right.T, alpha=-1.0)
-                Q += (own - 0.5 * (left @ inverse * left).sum(1))[:, None]
-                Q += own - 0.5 * (right @ inverse * right).sum(1)
-                Q.exp_()
-                scale = self.variance[a] * self.variance[b] * torch.sqrt(harmonic.prod() / torch.det(R))
-                G[a, b] = scale * torch.dot(near[a] * self.beta[a], Q @ (near[b] * self.beta[b])) - m[a] * m[b]
-                if a == b:
-                    trace = scale * torch.dot(near[a], Q.mul_(self.inverse[a]) @ near[a])
-                    G[a, a] += self.variance[a] - trace + self.noise[a]
-                G[b, a] = G[a, b]
-        return m, G, C
-
-    def update(self, x: Floats, y: Floats, mu: Floats, S: Floats) -> tuple[Floats, Floats]:
-        mean, covariance = torch.from_numpy(mu), torch.from_numpy(S)
-        m, G, C = self.moments(torch.from_numpy(x), mean, covariance)
-        gain = torch.linalg.solve(G, C.T).T
-        return (mean + gain @ (torch.from_numpy(y) - m)).numpy(), (covariance - gain @ C.T).numpy()
-
-
 def seconds(work: Callable[[], object]) -> float:
     begin = time.process_time()
     work()
@@ -118,20 +63,21 @@ def compare(name: str, count: int, scale: float, rounds: int) -> None:
     begin = time.process_time()
     model = ActionModel(*samples, kernels(scale))
     built = time.process_time() - begin
-    rival = Torch(*samples, kernels(scale))
     mean, covariance = GOALS.mean(0), np.cov(GOALS.T)
     ours = IntentionFilter(model, mean, covariance)
+    rival = TorchIntentionFilter(TorchActionModel(*samples, kernels(scale), device="cpu"), mean, covariance)
     took: list[tuple[float, float]] = []
     for i in np.linspace(0, 9152, rounds).astype(int):
-        ours.reset()
-        theirs = rival.update(states[i], sticks[i], mean, covariance)
-        belief = ours.update(states[i], sticks[i])
-        assert np.allclose(belief.mean, theirs[0], rtol=0, atol=1e-8)
-        assert np.allclose(belief.covariance, theirs[1], rtol=0, atol=1e-8 * np.trace(covariance))
-        ours.reset()
         state, stick = states[i], sticks[i]
+        theirs, belief = rival.update(state, stick), ours.update(state, stick)
+        assert np.allclose(belief.mean, theirs.mean, rtol=0, atol=1e-8)
+        assert np.allclose(belief.covariance, theirs.covariance, rtol=0, atol=1e-8 * np.trace(covariance))
+        ours.reset()
+        rival.reset()
         mine = seconds(lambda state=state, stick=stick: ours.update(state, stick))
-        took.append((mine, seconds(lambda s=state, y=stick: rival.update(s, y, mean, covariance))))
+        took.append((mine, seconds(lambda state=state, stick=stick: rival.update(state, stick))))
+        ours.reset()
+        rival.reset()
     mine, torchs = np.median(took, axis=0)
     print(
         f"N = {count}, {name}: lfdcore {mine * 1e3:.3f} ms, torch {torchs * 1e3:.1f} ms, ratio {torchs / mine:.1f} "
@@ -145,7 +91,6 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[800, 9153])
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    torch.set_default_dtype(torch.float64)
     for count in arguments.sizes:
         for name, scale in (("far", 1.0), ("near", 5.0)):
             compare(name, count, scale, arguments.rounds if count > 2000 else 5 * arguments.rounds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,11 +14,19 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from lfdcore.datasets.drive_log import DriveLog
+    from lfdcore.estimation import ActionModel
     from lfdcore.geometry import Pose2
     from lfdcore.grid import OccupancyGrid
     from lfdcore.study.goal_evaluation import BeliefTrack
-    from lfdcore.wheelchair.global_goal import GoalModel
+    from lfdcore.wheelchair.global_goal import GoalModel, OtherActionModel
     from lfdcore.wheelchair.goal_samples import GoalSamples
+
+
+class Device(StrEnum):
+    """Where torch computes."""
+
+    cuda = "cuda"
+    cpu = "cpu"
 
 
 def track(
@@ -35,6 +44,9 @@ def track(
     full: Annotated[
         bool, typer.Option("--full", help="All samples instead of the subset: minutes to prepare.")
     ] = False,
+    device: Annotated[
+        Device | None, typer.Option(help="With --full: through torch on this device. Default: C++.")
+    ] = None,
     every: Annotated[float, typer.Option(min=0.01, help="Seconds between the lines printed.")] = 2.0,
     picture: Annotated[
         Path | None, typer.Option(help="Ellipses on the map and likelihoods (.png, .pdf, .svg).")
@@ -47,6 +59,8 @@ def track(
     from lfdcore.study.goal_evaluation import track_beliefs
     from lfdcore.wheelchair.global_goal import GoalModel
 
+    if device is not None and not full:
+        raise typer.BadParameter("--device is for the model of all samples: give --full too")
     _require_suffix("--picture", picture, (".png", ".pdf", ".svg"))
     _require_suffix("--animation", animation, (".gif",))
     model, log = GoalModel.load(model_file), open_log(log_file)
@@ -58,7 +72,7 @@ def track(
 
         samples = _samples(model, log, map_file, start, tell)
         told = tell("model")
-        action_model = model.action_model("full" if full else "sparse")
+        action_model = _action_model(model, full, device)
         told(1, 1)
         beliefs = track_beliefs(model, samples, action_model, tell("belief"))
         _draw(model, samples, beliefs, map_file, picture, animation)
@@ -66,6 +80,14 @@ def track(
         print_json({"goals": model.goals.names, "beliefs": _lines(samples, beliefs, every)})
         return
     _print(model, samples, beliefs, every)
+
+
+def _action_model(model: GoalModel, full: bool, device: Device | None) -> ActionModel | OtherActionModel:
+    if device is None:
+        return model.action_model("full" if full else "sparse")
+    from lfdcore.training.torch_action_model import full_action_model
+
+    return full_action_model(model, device.value)
 
 
 def _require_suffix(option: str, path: Path | None, allowed: tuple[str, ...]) -> None:

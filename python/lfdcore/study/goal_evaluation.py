@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import wrap_angle
 from lfdcore.study.statistics import block_bootstrap
-from lfdcore.wheelchair.global_goal import GoalFilter, GoalModel, prior_belief
+from lfdcore.wheelchair.global_goal import GoalFilter, GoalModel, OtherActionModel, prior_belief
 from lfdcore.wheelchair.goal_network import network_inputs
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
@@ -47,7 +47,10 @@ class BeliefTrack:
 
 
 def track_beliefs(
-    model: GoalModel, samples: GoalSamples, action_model: ActionModel, progress: Progress | None = None
+    model: GoalModel,
+    samples: GoalSamples,
+    action_model: ActionModel | OtherActionModel,
+    progress: Progress | None = None,
 ) -> BeliefTrack:
     """Filters drive after drive."""
     running = GoalFilter(model, action_model=action_model)

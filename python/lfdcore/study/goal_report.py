@@ -128,6 +128,24 @@ def time_table(result: GoalResult) -> Table:
     )
 
 
+def likelihood_table(result: GoalResult) -> Table | None:
+    """C.3 of the kernels found; None where all data were not judged."""
+    if result.likelihoods is None:
+        return None
+    rows = tuple(
+        (axis, f"{one.of_drawn / one.drawn:.2f}", f"{one.of_all / one.samples:.2f}")
+        for axis, one in zip(("forward", "left"), result.likelihoods, strict=True)
+    )
+    first = result.likelihoods[0]
+    return Table(
+        "Log likelihood a sample (C.3) of the action kernels",
+        ("", f"n = {first.drawn} searched on", f"n = {first.samples}, all"),
+        rows,
+        "In nats. The kernels were searched on a seeded draw and judged on all samples once. With all, a sample's "
+        "neighbours in its drive foretell it better than those left by the draw: the second column may be the larger.",
+    )
+
+
 def aims(result: GoalResult) -> list[Aim]:
     """What was to be reached. Those of the full model only where it was judged."""
     by = {one.method: one.share for one in result.accuracies}
@@ -162,8 +180,8 @@ def aims_table(result: GoalResult) -> Table:
 
 def goal_tables(result: GoalResult) -> list[Table]:
     """All tables, figures to reach first."""
-    made = (aims_table, accuracy_table, consistency_table, noise_table, pose_table, time_table)
-    return [make(result) for make in made]
+    made = (aims_table, accuracy_table, consistency_table, noise_table, pose_table, likelihood_table, time_table)
+    return [table for make in made if (table := make(result)) is not None]
 
 
 def goal_pictures(result: GoalResult) -> list[Picture]:

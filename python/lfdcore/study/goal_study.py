@@ -24,7 +24,7 @@ from lfdcore.study.goal_evaluation import (
     drives_of,
     track_beliefs,
 )
-from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+from lfdcore.training.goal_models import GoalLearningConfig, KernelLikelihood, kernel_likelihoods, learn_goals
 from lfdcore.wheelchair.global_goal import GoalModel
 from lfdcore.wheelchair.goal_samples import GoalSamples, drive_samples, goal_samples
 from lfdcore.wheelchair.localisation import with_map_poses
@@ -93,6 +93,8 @@ class GoalResult:
     pose_errors: tuple[PoseError, ...]
     matcher_errors: Floats
     """(M, 2) [m], [rad] of the scan matcher's poses at the held-out drives' scans"""
+    likelihoods: tuple[KernelLikelihood, KernelLikelihood] | None
+    """of the action kernels, forward and left; None where all data were not judged"""
     update_seconds: dict[str, float]
     """median of a belief's update"""
 
@@ -112,6 +114,7 @@ def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalRe
     learning = replace(study.learning, seed=study.seed)
     model = learn_goals(drives.logs(drives.training), goals, learning, tell, study.processes or 1)
     held_out = goal_samples(drives.logs(drives.held_out), goals)
+    likelihoods = kernel_likelihoods(model.samples, goals, model.kernels, learning, tell) if study.full else None
     models = action_models(model, study.full, tell)
     tracks = _tracks(model, models, held_out, tell)
     network = model.network.predict(held_out.pose, held_out.joystick)
@@ -127,6 +130,7 @@ def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalRe
         _noise_trials(study, model, tell),
         (*_pose_errors(model, models["sparse"], held_out, tell), _matched(model, models["sparse"], localised)),
         off,
+        likelihoods,
         {name: _seconds(model, one, held_out) for name, one in models.items()},
     )
 

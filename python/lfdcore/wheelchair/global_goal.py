@@ -9,14 +9,14 @@ from __future__ import annotations
 import dataclasses
 import os
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.goals import Goal, Goals
 from lfdcore.errors import ModelError
-from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter, goal_likelihoods
+from lfdcore.estimation import ActionKernel, ActionModel, Belief, IntentionFilter, goal_likelihoods
 from lfdcore.wheelchair.goal_network import GoalNetwork
 from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_state
 from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
@@ -84,12 +84,13 @@ class GoalModel:
 
     def action_model(self, data: Data = "sparse") -> ActionModel:
         """p(y | g, x) (Sec. 2.3). `full` inverts a matrix of all N samples: minutes and gigabytes for N = 10^4."""
-        states = goal_state(self.samples.pose, self.samples.twist, self.config.heading)
-        goals = self.goals.positions[self.samples.goal]
         subset = self.subset if data == "sparse" else None
-        return ActionModel(
-            states, goals, self.samples.joystick, list(self.kernels), subset=subset, projected=self.config.projected
-        )
+        return ActionModel(*self.action_samples(), list(self.kernels), subset=subset, projected=self.config.projected)
+
+    def action_samples(self) -> tuple[Floats, Floats, Floats]:
+        """What an action model is conditioned on: states (N, Dx), goals (N, 2) [m, map], sticks (N, 2)."""
+        states = goal_state(self.samples.pose, self.samples.twist, self.config.heading)
+        return states, self.goals.positions[self.samples.goal], self.samples.joystick
 
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
@@ -141,18 +142,40 @@ def _kernel_values(kernel: ActionKernel) -> dict[str, Any]:
     }
 
 
+class Intention(Protocol):
+    """What a belief is filtered with: lfdcore.estimation.IntentionFilter, or its equations on another machine."""
+
+    @property
+    def belief(self) -> Belief: ...
+    def update(self, state: ArrayLike, action: ArrayLike) -> Belief: ...
+    def reset(self) -> None: ...
+
+
+class OtherActionModel(Protocol):
+    """An action model that is not lfdcore.estimation.ActionModel brings its filter."""
+
+    def intention_filter(self, mean: ArrayLike, covariance: ArrayLike, process_noise: float) -> Intention: ...
+
+
 class GoalFilter:
     """The belief over destinations along a drive (2.1-2.3).
 
     Ten lines: `GoalFilter(GoalModel.load(path))`, then `update` at 10 Hz.
     """
 
-    def __init__(self, model: GoalModel, data: Data = "sparse", *, action_model: ActionModel | None = None) -> None:
+    def __init__(
+        self, model: GoalModel, data: Data = "sparse", *, action_model: ActionModel | OtherActionModel | None = None
+    ) -> None:
         """`action_model`: one already built from `model`, where several filters share it."""
         self.goals, self.config = model.goals, model.config
         mean, covariance = prior_belief(model.goals.positions)
         noise = model.config.process_noise
-        self._filter = IntentionFilter(action_model or model.action_model(data), mean, covariance, process_noise=noise)
+        acting = action_model or model.action_model(data)
+        self._filter: Intention = (
+            IntentionFilter(acting, mean, covariance, noise)
+            if isinstance(acting, ActionModel)
+            else acting.intention_filter(mean, covariance, noise)
+        )
 
     def reset(self) -> None:
         """Another drive: back to the prior."""
