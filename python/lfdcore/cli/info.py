@@ -35,10 +35,10 @@ def _facts(file: Path) -> dict[str, Any]:
 
 
 def _model_facts(file: Path) -> dict[str, Any]:
-    from lfdcore.wheelchair.models import load_model
+    from lfdcore.wheelchair.models import load_any_model
     from lfdcore.wheelchair.tensor_file import tensor_file_format
 
-    model = load_model(file)
+    model = load_any_model(file)
     return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}
 
 

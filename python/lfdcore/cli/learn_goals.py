@@ -17,6 +17,7 @@ from lfdcore.cli.common import (
     print_facts,
     print_json,
     progress_bar,
+    require_each_once,
     require_writable,
 )
 
@@ -36,6 +37,7 @@ def learn_goals_command(
 
     from lfdcore.datasets import open_log, read_goals
 
+    require_each_once(logs)
     require_writable(output, [*logs, goals])
     try:
         from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
