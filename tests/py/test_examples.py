@@ -26,9 +26,9 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def output_of(name: str, *arguments: object) -> list[str]:
+def output_of(name: str, *arguments: object, folder: Path | None = None) -> list[str]:
     command = [sys.executable, str(EXAMPLES / name), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
@@ -58,6 +58,12 @@ def test_predict_a_log_compares_with_both_baselines(drive: Path) -> None:
     assert re.match(r"[1-9]\d* samples", head)
     assert [row[:14].strip() for row in rows] == ["learned", "constant arc", "straight on"]
     assert all(len(row[14:].split()) == 6 and float(row[14:].split()[0]) > 0 for row in rows)
+
+
+def test_each_heatmap_of_a_scan_is_a_call_and_a_plot(heatmap_model: Path, drive: Path, tmp_path: Path) -> None:
+    (line,) = output_of("heatmaps_of_a_scan.py", heatmap_model, drive, 10, folder=tmp_path)
+    assert re.search(r"at 1\d\.\d s, stick at -?\d+ degrees, taken to mean -?\d+", line)
+    assert (tmp_path / "heatmaps.png").read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.realdata

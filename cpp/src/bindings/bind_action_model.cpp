@@ -146,7 +146,8 @@ void bind_filter(py::module_& m) {
            }),
            py::arg("model"), py::arg("mean"), py::arg("covariance"), py::arg("process_noise") = 0.0,
            "Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's "
-           "diagonal before every update: 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for "
+           "diagonal before every update, which makes it no wider than the prior's: 0 is the thesis, whose belief gets "
+           "overconfident (ERRATA 6). ValueError for "
            "a prior that is none of the model's goals and a negative process_noise.")
       .def(
           "update",

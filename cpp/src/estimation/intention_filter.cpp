@@ -17,6 +17,18 @@ GoalMatrix without_negative_variances(const GoalMatrix& covariance) {
   return root * root.transpose();
 }
 
+// The covariance, but in no direction wider than the prior's: what is known of the goals is not forgotten. `root` is
+// the lower Cholesky factor of the prior's covariance.
+GoalMatrix no_wider_than(const GoalMatrix& covariance, const GoalMatrix& root) {
+  const auto lower = root.triangularView<Eigen::Lower>();
+  const GoalMatrix half = lower.solve(covariance);
+  const GoalMatrix relative = lower.solve(half.transpose());  // 1 in a direction as wide as the prior
+  const Eigen::SelfAdjointEigenSolver<GoalMatrix> eigen(0.5 * (relative + relative.transpose()));
+  if (eigen.eigenvalues().maxCoeff() <= 1) return covariance;
+  const GoalMatrix basis = lower * eigen.eigenvectors();
+  return basis * eigen.eigenvalues().cwiseMin(1).asDiagonal() * basis.transpose();
+}
+
 }  // namespace
 
 IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process_noise)
@@ -26,6 +38,8 @@ IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process
       process_noise_(process_noise),
       scratch_(model_.scratch_size()) {
   validate(prior_, model_.goal_dimensions());
+  const Eigen::LLT<GoalMatrix> factor(prior_.covariance);
+  if (factor.info() == Eigen::Success) prior_root_ = factor.matrixL();
   require_between("process_noise", process_noise, 0, 1e150, "m^2");
 }
 
@@ -35,7 +49,10 @@ const Belief& IntentionFilter::update(std::span<const double> state, std::span<c
   const ActionVector y = Eigen::Map<const ActionVector>(action.data(), static_cast<Eigen::Index>(action.size()));
   require(y.allFinite(), "the action must be finite");
   Belief belief = belief_;
-  belief.covariance.diagonal().array() += process_noise_;
+  if (process_noise_ > 0) {
+    belief.covariance.diagonal().array() += process_noise_;
+    if (prior_root_.size() > 0) belief.covariance = no_wider_than(belief.covariance, prior_root_);
+  }
   const ActionMoments moments = model_.moments(state, belief, scratch_);
   const Eigen::LLT<ActionMatrix> factor(moments.covariance);
   require(factor.info() == Eigen::Success,

@@ -470,7 +470,7 @@ class IntentionFilter:
         process_noise: float = 0.0,
     ) -> None:
         """
-        Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's diagonal before every update: 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for a prior that is none of the model's goals and a negative process_noise.
+        Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's diagonal before every update, which makes it no wider than the prior's: 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for a prior that is none of the model's goals and a negative process_noise.
         """
 
     def reset(self) -> None:

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
 
 
+_LONGEST = 10
+"""items of a list that are shown to people one by one"""
+
+
 class Preset(StrEnum):
     """Where defaults come from."""
 
@@ -37,6 +41,24 @@ LogArguments = Annotated[
 def print_json(value: Any) -> None:
     """Prints a value for machines; what is not finite becomes null, as JSON has no NaN."""
     typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def print_facts(facts: dict[str, Any]) -> None:
+    """Prints a line a fact, aligned; a list longer than a line by its ends and length."""
+    for name, value in facts.items():
+        typer.echo(f"{name:>24}  {_told(value)}")
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        items = [_told(item) for item in value]
+        ends = [*items[:2], "...", items[-1]] if len(items) > _LONGEST else items
+        return ", ".join(ends) + (f" ({len(items)})" if len(items) > _LONGEST else "")
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+    return str(value)
 
 
 def _finite(value: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lfdcore.cli.common import JsonOption, print_json
+from lfdcore.cli.common import JsonOption, print_facts, print_json
 
 
 def info(
@@ -19,8 +19,7 @@ def info(
     if as_json:
         print_json(facts)
         return
-    for name, value in facts.items():
-        typer.echo(f"{name:>24}  {value}")
+    print_facts(facts)
 
 
 def _facts(file: Path) -> dict[str, Any]:
@@ -36,10 +35,10 @@ def _facts(file: Path) -> dict[str, Any]:
 
 
 def _model_facts(file: Path) -> dict[str, Any]:
-    from lfdcore.wheelchair.models import load_model
+    from lfdcore.wheelchair.models import load_any_model
     from lfdcore.wheelchair.tensor_file import tensor_file_format
 
-    model = load_model(file)
+    model = load_any_model(file)
     return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}
 
 

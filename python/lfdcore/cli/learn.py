@@ -15,6 +15,7 @@ from lfdcore.cli.common import (
     Preset,
     PresetOption,
     Stages,
+    print_facts,
     print_json,
     progress_bar,
     require_each_once,
@@ -78,8 +79,8 @@ def learn_drive_command(
     if as_json:
         print_json(facts | ({} if network is None else {"curve": [dataclasses.asdict(e) for e in network.curve]}))
         return
-    for name, value in facts.items():
-        typer.echo(f"{name:>24}  {value}")
+    losses = {"train_losses", "validation_losses"} if network is not None else set()  # in the table below
+    print_facts({name: value for name, value in facts.items() if name not in losses})
     if network is not None:
         typer.echo(_curve(network))
 
@@ -108,7 +109,7 @@ def _learn(
 
 def _curve(network: TrainedHeatmapNet) -> str:
     """The learning curves: mean binary cross-entropy a cell"""
-    rows = [f"{'epoch':>5}  {'train':>6}  {'validation':>10}"]
+    rows = ["loss: mean binary cross-entropy of a cell", f"{'epoch':>5}  {'train':>6}  {'validation':>10}"]
     for epoch in network.curve:
         kept = "  kept" if epoch == network.best else ""
         rows.append(f"{epoch.epoch:>5}  {epoch.train:>6.4f}  {epoch.validation:>10.4f}{kept}")

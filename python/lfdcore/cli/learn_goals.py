@@ -14,8 +14,10 @@ from lfdcore.cli.common import (
     PresetOption,
     SeedOption,
     Stages,
+    print_facts,
     print_json,
     progress_bar,
+    require_each_once,
     require_writable,
 )
 
@@ -35,6 +37,7 @@ def learn_goals_command(
 
     from lfdcore.datasets import open_log, read_goals
 
+    require_each_once(logs)
     require_writable(output, [*logs, goals])
     try:
         from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
@@ -50,5 +53,4 @@ def learn_goals_command(
     if as_json:
         print_json(facts)
         return
-    for name, value in facts.items():
-        typer.echo(f"{name:>24}  {value}")
+    print_facts(facts)

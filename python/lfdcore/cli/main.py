@@ -33,6 +33,16 @@ def version(show: bool = typer.Option(False, "--version", help="Print the versio
         raise typer.Exit
 
 
+EXTRAS = {
+    "scipy": "study",
+    "matplotlib": "study",
+    "joblib": "study",
+    "torch": "train",
+    "onnx": "train",
+    "sklearn": "train",
+}
+"""What is not installed by default, and the extra that brings it"""
+
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as of every program that SIGINT ends"""
 
@@ -50,6 +60,11 @@ def main() -> None:
         app()
     except (ValueError, DataError, ModelError) as error:
         _fail(str(error))
+    except ModuleNotFoundError as missing:
+        extra = EXTRAS.get((missing.name or "").split(".")[0])
+        if extra is None:
+            raise
+        _fail(f"this needs {missing.name}: install lfdcore with the extra '{extra}'")
     except OSError as error:
         _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except MemoryError:

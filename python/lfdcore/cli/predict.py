@@ -1,4 +1,4 @@
-"""lfdcore predict: what models foretell along real logs, a posteriori (Fig. 3.16)."""
+"""lfdcore predict: what models predict along recorded drives, a posteriori (Fig. 3.16; Table 4.2 with Fig. 4.16)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,15 @@ import typer
 from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, print_json, progress_bar, require_each_once
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
     from rich.progress import Progress, TaskID
 
+    from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.geometry import Footprint
-    from lfdcore.study.prediction import LogPrediction
+    from lfdcore.study.heatmap_comparison import ComparedModels, Comparison
+    from lfdcore.study.prediction import LogPrediction, StickMeaning
     from lfdcore.wheelchair.models import Model
     from lfdcore.wheelchair.path_prediction import PathPredictionConfig
 
@@ -55,6 +60,13 @@ def predict(
     picture: Annotated[
         Path | None, typer.Option(help="Where a picture like Fig. 3.16 goes (.png, .pdf, .svg).")
     ] = None,
+    concatenated: Annotated[
+        Path | None,
+        typer.Option(
+            help="Compare one model of each kind as in Table 4.2 too, planning every .5 s; where the picture like "
+            "Fig. 4.16 goes (.png, .pdf, .svg)."
+        ),
+    ] = None,
     footprint: Annotated[
         str, typer.Option(help="FRONT,REAR,HALF_WIDTH of the robot in the picture, in metres.")
     ] = ".8,.35,.35",
@@ -62,31 +74,39 @@ def predict(
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Predict paths along real logs and compare them with what was driven: path error beside two baselines."""
+    """Predict paths along recorded drives and compare them with what was driven: path error beside two baselines."""
     from lfdcore.datasets import open_log
     from lfdcore.study.prediction import StickMeaning, as_text, pooled_rows, pooled_text, predict_log
     from lfdcore.study.prediction import as_json as in_json
 
     if not begin < end:
         raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
-    if picture is not None and picture.suffix.lower() not in {".png", ".pdf", ".svg"}:
-        raise typer.BadParameter(f"--picture {picture} must end in .png, .pdf or .svg")
+    _require_picture("--picture", picture)
+    _require_picture("--concatenated", concatenated)
     outline, config = _footprint(footprint), _config(rule, preset)
     model_files, log_files = _told_apart(files)
     models = _load(model_files)
     _require_of_primitives(rule, preset, models)
+    compared = None if concatenated is None else _of_each_kind(models)
     logs = [open_log(path).share(begin, end) for path in log_files]
-    predictions = []
+    predictions, comparison = [], None
     with progress_bar() as bar:
         for log in logs:
             update = partial(_update, bar, bar.add_task(log.name, total=None))
             predictions.append(predict_log(log, models, config, StickMeaning(stick), update))
+        if compared is not None:
+            comparison = _compare(logs, compared, StickMeaning(stick), partial(_update, bar, bar.add_task("compare")))
+    if comparison is not None and concatenated is not None:
+        from lfdcore.study.comparison_plots import concatenated_figure, median_runs
+
+        _save(concatenated_figure(median_runs(comparison.runs)), concatenated)
     if picture is not None:
         _draw(predictions, outline, picture)
     if as_json:
         together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
         logs_json = [in_json(p, seed) for p in predictions]
-        print_json({"from": begin, "to": end, "seed": seed, "logs": logs_json, "together": together})
+        found = {"from": begin, "to": end, "seed": seed, "logs": logs_json, "together": together}
+        print_json(found | ({} if comparison is None else {"comparison": _figures(comparison)}))
     else:
         typer.echo(
             f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n"
@@ -95,6 +115,10 @@ def predict(
             typer.echo(as_text(prediction, seed))
         if sum(not prediction.outcome for prediction in predictions) > 1:
             typer.echo(pooled_text(predictions, seed))
+        if comparison is not None:
+            from lfdcore.study.heatmap_report import comparison_table
+
+            typer.echo(comparison_table(comparison, None).as_text())
     if all(prediction.outcome for prediction in predictions):
         raise typer.Exit(1)
 
@@ -121,6 +145,48 @@ def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, 
     others = [name for name, model in models.items() if not isinstance(model, DriveAssistantModel)]
     if asked and others:
         raise typer.BadParameter(f"{option} is of path primitives, and {', '.join(others)} holds none")
+
+
+def _require_picture(option: str, picture: Path | None) -> None:
+    if picture is not None and picture.suffix.lower() not in {".png", ".pdf", ".svg"}:
+        raise typer.BadParameter(f"{option} {picture} must end in .png, .pdf or .svg")
+
+
+def _of_each_kind(models: dict[str, Model]) -> ComparedModels:
+    from lfdcore.study.heatmap_comparison import ComparedModels
+    from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+    from lfdcore.wheelchair.model_file import DriveAssistantModel
+
+    primitives = [model for model in models.values() if isinstance(model, DriveAssistantModel)]
+    naive = [model for model in models.values() if isinstance(model, NaiveHeatmapModel)]
+    heatmaps = [model for model in models.values() if isinstance(model, HeatmapModel)]
+    counts = len(primitives), len(naive), len(heatmaps)
+    if counts != (1, 1, 1):
+        told = "{} of primitives, {} naive, {} of heatmaps".format(*counts)
+        raise typer.BadParameter(f"--concatenated compares one model of each kind; given are {told}")
+    return ComparedModels(primitives[0], naive[0], heatmaps[0])
+
+
+def _compare(
+    logs: list[DriveLog], models: ComparedModels, meaning: StickMeaning, tell: Callable[[int, int], None]
+) -> Comparison:
+    """A stick that was not recorded is one for all methods: what the heatmaps' demonstrations meant by it."""
+    from lfdcore.study.heatmap_comparison import Comparison, ComparisonConfig, compare_on_log
+    from lfdcore.study.prediction import with_stick
+
+    runs, config = [], ComparisonConfig()
+    tell(0, len(logs))
+    for log in logs:
+        runs.append(compare_on_log(with_stick(log, models.heatmaps, meaning), models, config))
+        tell(len(runs), len(logs))
+    return Comparison(tuple(runs), config)
+
+
+def _figures(comparison: Comparison) -> dict[str, dict[str, list[float]]]:
+    """A value a log, of every method"""
+    figures = ("reward", "rank", "near", "whole", "at_equal_length", "without_path", "seconds")
+    methods = comparison.runs[0].methods
+    return {method: {name: comparison.column(method, name).tolist() for name in figures} for method in methods}
 
 
 def _footprint(text: str) -> Footprint:
@@ -166,13 +232,17 @@ def _load(files: list[Path]) -> dict[str, Model]:
 
 
 def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:
-    from lfdcore.study.plots import png
     from lfdcore.study.prediction_picture import prediction_figure
 
     if all(prediction.outcome for prediction in predictions):
         typer.echo(f"{picture} is not drawn: no log has a sample", err=True)
         return
-    figure = prediction_figure(predictions, outline)
+    _save(prediction_figure(predictions, outline), picture)
+
+
+def _save(figure: Figure, picture: Path) -> None:
+    from lfdcore.study.plots import png
+
     if picture.suffix.lower() == ".png":
         picture.write_bytes(png(figure, dpi=150))
     else:

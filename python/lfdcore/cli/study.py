@@ -167,7 +167,7 @@ def study_driving(
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Drivers x courses x assistants: Tables 3.1-3.3 with intervals, tasks, and pictures of every course."""
+    """Drivers x courses x assistants: Tables 3.1-3.3 and 4.1 with intervals, tasks, pictures of every course."""
     plan = DrivingPlan(output, tuple(models or ()), courses, arms, drivers, starts, seed, processes)
     outcome = drive_and_report(plan)
     if as_json:

@@ -19,7 +19,7 @@ def study_learning_curve(
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Both methods by the number of demonstrations: contacts, path RMSE, foretold paths. Needs torch once.
+    """Both methods by the number of demonstrations: contacts, path RMSE, predicted paths. Needs torch once.
 
     Models stay in the folder: a second study there drives only.
     """

@@ -64,18 +64,19 @@ def track(
     _require_suffix("--picture", picture, (".png", ".pdf", ".svg"))
     _require_suffix("--animation", animation, (".gif",))
     model, log = GoalModel.load(model_file), open_log(log_file)
+    grid = _map(model, map_file) if picture or animation or not len(log.map_stamp) else None
     with progress_bar() as bar:
 
         def tell(stage: str) -> Callable[[int, int], None]:
             task = bar.add_task(stage, total=None)
             return lambda done, total: bar.update(task, completed=done, total=total)
 
-        samples = _samples(model, log, map_file, start, tell)
+        samples = _samples(model, log, grid, start, tell)
         told = tell("model")
         action_model = _action_model(model, full, device)
         told(1, 1)
         beliefs = track_beliefs(model, samples, action_model, tell("belief"))
-        _draw(model, samples, beliefs, map_file, picture, animation)
+        _draw(model, samples, beliefs, grid, picture, animation)
     if as_json:
         print_json({"goals": model.goals.names, "beliefs": _lines(samples, beliefs, every)})
         return
@@ -98,7 +99,7 @@ def _require_suffix(option: str, path: Path | None, allowed: tuple[str, ...]) ->
 def _samples(
     model: GoalModel,
     log: DriveLog,
-    map_file: Path | None,
+    grid: OccupancyGrid | None,
     start: str | None,
     tell: Callable[[str], Callable[[int, int], None]],
 ) -> GoalSamples:
@@ -106,8 +107,7 @@ def _samples(
     from lfdcore.wheelchair.goal_samples import drive_samples
     from lfdcore.wheelchair.localisation import with_map_poses
 
-    if not len(log.map_stamp):
-        grid = _map(model, map_file)
+    if grid is not None and not len(log.map_stamp):
         log = with_map_poses(log, grid, _start(model, start), tell("localise"))
     return drive_samples(log)
 
@@ -127,8 +127,10 @@ def _start(model: GoalModel, text: str | None) -> Pose2:
     from lfdcore.geometry import Pose2
 
     if text is None:
-        first = model.samples.pose[model.samples.stamp == model.samples.stamp.min()]
-        return Pose2(*np.median(first, axis=0).tolist())
+        _, first = np.unique(model.samples.drive, return_index=True)
+        x, y, yaw = model.samples.pose[first].T
+        turned = np.arctan2(np.median(np.sin(yaw)), np.median(np.cos(yaw)))  # yaws about +-180 degrees have a mean too
+        return Pose2(float(np.median(x)), float(np.median(y)), float(turned))
     try:
         x, y, yaw = (float(word) for word in text.split(","))
     except ValueError:
@@ -140,17 +142,21 @@ def _draw(
     model: GoalModel,
     samples: GoalSamples,
     beliefs: BeliefTrack,
-    map_file: Path | None,
+    grid: OccupancyGrid | None,
     picture: Path | None,
     animation: Path | None,
 ) -> None:
-    if picture is None and animation is None:
+    if grid is None:
         return
     from lfdcore.study.belief_plots import drive_figure, save_belief_animation
+    from lfdcore.study.plots import png
 
-    grid = _map(model, map_file)
     if picture is not None:
-        drive_figure(grid, model.goals, (samples, beliefs)).savefig(picture, dpi=120)
+        figure = drive_figure(grid, model.goals, (samples, beliefs))
+        if picture.suffix.lower() == ".png":
+            picture.write_bytes(png(figure, dpi=120))
+        else:
+            figure.savefig(picture, bbox_inches="tight")
     if animation is not None:
         save_belief_animation(animation, grid, model.goals, (samples, beliefs))
 

@@ -155,9 +155,9 @@ def adaptation_figure(runs: Sequence[AdaptationRun]) -> Figure:
             title=f"bias {bias:+.2f} rad, n = {len(mine)}" if bias else f"no bias, n = {len(mine)}",
         )
         axes.set_xlim(left=0)
-        axes.set_ylim(bottom=0)
         axes.grid(axis="y", lw=0.4, color="#d0d7de")
         axes.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylim(bottom=0)  # of all, once all is drawn: limits set before would cut what comes later
     panels[0].set_ylabel("error of the joystick model [rad]")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.goals import Goals
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.goal_evaluation import BeliefTrack
-from lfdcore.study.goal_plots import goal_colour
+from lfdcore.study.goal_plots import goal_colour, square_around
 from lfdcore.study.plots import PAGE, STYLE, draw_grid, styled
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
@@ -51,10 +51,15 @@ def _draw_belief(axes: Axes, track: Track, at: int, colour: str) -> None:
     axes.add_patch(ellipse_of(beliefs.mean[at], beliefs.covariance[at], colour))
 
 
-def _map_axes(axes: Axes, grid: OccupancyGrid) -> None:
+def _map_axes(axes: Axes, grid: OccupancyGrid, points: Floats) -> None:
+    """The map where the points (N, 2) are."""
     draw_grid(axes, grid)
-    x, y = grid.origin
-    axes.set(xlim=(x, x + grid.width * grid.resolution), ylim=(y, y + grid.height * grid.resolution))
+    x0, x1, y0, y1 = square_around(points)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
+
+
+def _points(goals: Goals, tracks: Sequence[Track]) -> Floats:
+    return np.concatenate([goals.positions, *(samples.pose[:, :2] for samples, _ in tracks)])
 
 
 @styled
@@ -63,10 +68,10 @@ def belief_figure(
 ) -> Figure:
     """Fig. 2.6: at each instant [s] the ways so far and the beliefs' ellipses, a colour a true destination."""
     columns = 2
-    rows = -(-len(instants) // columns)
+    rows, points = -(-len(instants) // columns), _points(goals, tracks)
     figure = Figure(figsize=(PAGE, 0.97 * PAGE / columns * rows), layout="compressed")
     for axes, instant in zip(figure.subplots(rows, columns, squeeze=False).flat, instants, strict=False):
-        _map_axes(axes, grid)
+        _map_axes(axes, grid, points)
         _draw_goals(axes, goals)
         for track in tracks:
             at = min(int(np.searchsorted(track[0].stamp, instant)), len(track[0]) - 1)
@@ -80,15 +85,17 @@ def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
     """One drive: the belief after each quarter of it on the map, its colour that of the nearest goal, and below the
     likelihood of each goal, the nearest one's in its colour."""
     samples, beliefs = track
-    figure = Figure(figsize=(PAGE, 6.0), layout="compressed")
-    panels: dict[str, Axes] = figure.subplot_mosaic("0123;llll", height_ratios=[1.15, 1])
+    figure = Figure(figsize=(PAGE, 5.2), layout="compressed")
+    panels: dict[str, Axes] = figure.subplot_mosaic("0123;llll", height_ratios=[1, 1])
     for quarter in range(4):
         axes, share = panels[str(quarter)], (quarter + 1) / 4
         at = min(int(np.searchsorted(samples.stamp, share * samples.stamp[-1])), len(samples) - 1)
-        _map_axes(axes, grid)
+        _map_axes(axes, grid, _points(goals, [track]))
         _draw_goals(axes, goals)
         _draw_belief(axes, track, at, goal_colour(int(beliefs.nearest[at])))
         axes.set_title(f"{samples.stamp[at]:.0f} s: {goals.names[beliefs.nearest[at]]}")
+        if quarter:
+            axes.set(ylabel="", yticklabels=[])
     axes = panels["l"]
     _draw_likelihoods(axes, samples.stamp, beliefs.likelihood, beliefs.nearest)
     axes.set(xlabel="time [s]", ylabel="likelihood")
@@ -105,7 +112,7 @@ def _draw_likelihoods(axes: Axes, stamp: Floats, likelihood: Floats, likeliest: 
         if mine.any():
             shown = np.where(mine, likelihood[:, k], np.nan)
             axes.plot(stamp, shown, color=goal_colour(k), lw=2.2, zorder=2)
-    axes.set(ylim=(-0.03, 1.03), xlim=(0, float(stamp[-1]) if len(stamp) else 1.0))
+    axes.set(ylim=(-0.03, 1.03), xlim=(0, max(float(stamp[-1]), 0.1)))
     axes.tick_params(length=2.5, width=0.6)
 
 
@@ -157,11 +164,12 @@ def confusion_figure(goals: Goals, tables: Mapping[str, NDArray[np.int64]]) -> F
 def save_belief_animation(path: Path, grid: OccupancyGrid, goals: Goals, track: Track, fps: int = 10) -> None:
     """The belief along one drive as an animated GIF, two frames a second of the drive, `fps` of them a second."""
     samples, beliefs = track
-    frames = np.unique(np.searchsorted(samples.stamp, np.arange(0, samples.stamp[-1], 0.5)))
+    wanted = np.append(np.arange(0, samples.stamp[-1], 0.5), samples.stamp[-1])
+    frames = np.unique(np.searchsorted(samples.stamp, wanted))
     with matplotlib.style.context(["default", STYLE]):
         figure = Figure(figsize=(PAGE, 4.8), layout="compressed")
         left, right = figure.subplots(1, 2)
-        _map_axes(left, grid)
+        _map_axes(left, grid, _points(goals, [track]))
         _draw_goals(left, goals)
         limits = left.get_xlim(), left.get_ylim()
         fixed = set(left.get_children())
@@ -174,7 +182,10 @@ def save_belief_animation(path: Path, grid: OccupancyGrid, goals: Goals, track: 
             left.set(xlim=limits[0], ylim=limits[1], title=f"{samples.stamp[at]:.1f} s")
             right.clear()
             _draw_likelihoods(right, samples.stamp[: at + 1], beliefs.likelihood[: at + 1], beliefs.nearest[: at + 1])
-            right.set(xlim=(0, samples.stamp[-1]), xlabel="time [s]", ylabel="likelihood")
+            right.set(xlim=(0, max(samples.stamp[-1], 0.1)), xlabel="time [s]", ylabel="likelihood")
             return []
 
+        draw(0)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once: anew for each frame takes most of the time
         FuncAnimation(figure, draw, frames=len(frames)).save(path, writer=PillowWriter(fps=fps), dpi=80)  # type: ignore[arg-type]

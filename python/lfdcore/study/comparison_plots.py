@@ -74,7 +74,7 @@ def concatenated_figure(runs: Sequence[ComparedRun]) -> Figure:
             axes.set_title(f"{METHOD_NAMES[method]}\nreward {found.reward:.2f}, rank {found.rank:.0f} %")
             if axes is not row[0]:
                 axes.set_ylabel("")
-            if row is not panels[-1]:
+            if run is not runs[-1]:
                 axes.set_xlabel("")
     image = panels[0, 0].images[0]
     figure.colorbar(image, ax=panels, shrink=0.5, aspect=35, label="reward, mean over frames")
@@ -92,8 +92,8 @@ def median_runs(runs: Sequence[ComparedRun]) -> list[ComparedRun]:
 
 
 def _reliability_axes(axes: Axes, top: float) -> None:
-    axes.plot([0, top], [0, top], color="#8a9099", lw=0.8, ls="--", zorder=1, label="as said")
-    axes.set(xlabel="probability said", ylabel="share that was crossed", xlim=(0, top), ylim=(0, top))
+    axes.plot([0, top], [0, top], color="#8a9099", lw=0.8, ls="--", zorder=1, label="as predicted")
+    axes.set(xlabel="predicted probability", ylabel="share that was crossed", xlim=(0, top), ylim=(0, top))
     axes.set_aspect("equal")
     axes.tick_params(length=2.5, width=0.6)
 

@@ -1,4 +1,4 @@
-"""Study driving: drivers x courses x assistants x seeds (Sec. 3.5-3.6, Tables 3.1-3.3)."""
+"""Study driving: drivers x courses x assistants x seeds (Sec. 3.5-3.6, Tables 3.1-3.3, 4.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report of study driving: Tables 3.1-3.3, tasks, and pictures like Fig. 3.7-3.15."""
+"""The report of study driving: Tables 3.1-3.3 and 4.1, tasks, and pictures like Fig. 3.7-3.15."""
 
 from __future__ import annotations
 

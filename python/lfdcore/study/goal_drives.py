@@ -56,6 +56,12 @@ class GoalDrives:
         """Indices of the last drive to each destination."""
         return tuple(k for k, run in enumerate(self.runs) if run == RUNS_EACH - 1)
 
+    @property
+    def drivers(self) -> tuple[int, ...]:
+        """Which of the RUNS_EACH drivers sits in each drive."""
+        index = self.world.goals.index
+        return tuple(_driver_of(index(name), run) for name, run in zip(self.destinations, self.runs, strict=True))
+
     def samples(self, indices: Sequence[int]) -> int:
         """Ticks at 10 Hz in these drives."""
         return sum(len(self.traces[k].stamp) for k in indices)
@@ -113,13 +119,17 @@ def record_goal_drives(
     jobs = []
     for g, run in which:
         name, number = world.goals.names[g], 1000 * seed + RUNS_EACH * g + run
-        make_driver = partial(_able, drivers[(run + g) % RUNS_EACH])
+        make_driver = partial(_able, drivers[_driver_of(g, run)])
         path = folder / f"goal-{g + 1}-{run + 1}.mcap"
         jobs.append(Job(world.course(name, number), make_driver, Unassisted, number, config, path, name))
     traces = run_jobs(jobs, progress, processes)
     paths = tuple(job.log_path for job in jobs if job.log_path is not None)
     names = tuple(world.goals.names[g] for g, _ in which)
     return GoalDrives(world, paths, traces, names, tuple(run for _, run in which))
+
+
+def _driver_of(goal: int, run: int) -> int:
+    return (run + goal) % RUNS_EACH
 
 
 def _able(config: AbleConfig, course: Course) -> Driver:

@@ -35,7 +35,7 @@ def plot_goal_drives(world: GoalWorld, drives: Sequence[tuple[str, Array]], held
         raise ValueError("drives is empty, must hold at least one")
     figure = Figure(figsize=(PAGE, 0.54 * PAGE), layout="constrained")
     whole, near = figure.subplots(1, 2)
-    limits = _around([path for _, path in drives], world)
+    limits = square_around(np.concatenate([*(path[:, :2] for _, path in drives), world.goals.positions]))
     for axes in (whole, near):
         draw_grid(axes, world.grid)
         _draw_drives(axes, world, drives, set(held_out), 0.6 if axes is whole else 1.1)
@@ -91,9 +91,8 @@ def _legend(held_out: bool) -> list[Line2D]:
     return [*handles, Line2D([], [], color="#4a5058", linestyle="--", label="held out")] if held_out else handles
 
 
-def _around(paths: Sequence[Array], world: GoalWorld, margin: float = 3.0) -> Limits:
-    """A square around all drives and destinations, not larger than the map."""
-    points = np.concatenate([*(path[:, :2] for path in paths), world.goals.positions])
+def square_around(points: Array, margin: float = 3.0) -> Limits:
+    """A square around points (N, 2) and `margin` [m] more."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     middle, half = (low + high) / 2, float((high - low).max()) / 2
     return (middle[0] - half, middle[0] + half, middle[1] - half, middle[1] + half)

@@ -8,7 +8,7 @@ import numpy as np
 
 from lfdcore import __version__
 from lfdcore.study.belief_plots import belief_figure, confusion_figure, likelihood_figure
-from lfdcore.study.goal_evaluation import Accuracy, agreement, confusion, drives_of
+from lfdcore.study.goal_evaluation import BASELINES, Accuracy, agreement, confusion, drives_of
 from lfdcore.study.goal_plots import plot_goal_drives
 from lfdcore.study.goal_study import NOISE, TRIALS, GoalResult, NoiseTrial
 from lfdcore.study.report import Picture, Section, write_figures, write_report
@@ -17,7 +17,6 @@ from lfdcore.study.tables import Aim, Row, Table
 
 WIDE_ENOUGH = (0.5, 2.0)
 """NEES over its dimension, where a belief's covariance is called right"""
-_BASELINES = ("prior only", "along the heading", "1-nearest neighbour")
 
 
 def _percent(share: float) -> str:
@@ -81,9 +80,10 @@ def noise_table(result: GoalResult) -> Table:
         f"drives and noises, {TRIALS} simulated able drivers)",
         ("to (mean drive)", "noise [%]", *(f"driver {k + 1}" for k in range(TRIALS)), "share of drive"),
         tuple(rows),
-        f"From when on its likelihood is .9 or more for the rest of the drive. Over all: {_percent(share.mean)} +- {100 * share.sd:.0f} % of "
-        f"the drive (thesis 45 +- 12 %), never in {share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian "
-        "on both axes of the recorded stick, cut at full scale; the chair was driven without it.",
+        "From when on its likelihood is .9 or more for the rest of the drive. Over all: "
+        f"{_percent(share.mean)} +- {_percent(share.sd)} of the drive (thesis 45 +- 12 %), never in "
+        f"{share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian on both axes of the recorded stick, cut "
+        "at full scale; the chair was driven without it.",
     )
 
 
@@ -149,7 +149,7 @@ def likelihood_table(result: GoalResult) -> Table | None:
 def aims(result: GoalResult) -> list[Aim]:
     """What was to be reached. Those of the full model only where it was judged."""
     by = {one.method: one.share for one in result.accuracies}
-    best = max(by[name] for name in _BASELINES)
+    best = max(by[name] for name in BASELINES)
     sparse = by["Gaussian process, sparse"]
     share = _sure_shares(result)
     low, high = WIDE_ENOUGH
@@ -230,7 +230,7 @@ def goal_pictures(result: GoalResult) -> list[Picture]:
 def goal_headline(result: GoalResult) -> str:
     """The result in a sentence."""
     by = {one.method: one for one in result.accuracies}
-    best = max((by[name] for name in _BASELINES), key=lambda one: one.share)
+    best = max((by[name] for name in BASELINES), key=lambda one: one.share)
     parts = [
         f"{name.removeprefix('Gaussian process, ')} {_percent(one.share)} [{100 * one.low:.0f}, {100 * one.high:.0f}]"
         for name, one in by.items()

@@ -21,10 +21,15 @@ from lfdcore.study.goal_evaluation import (
     BeliefTrack,
     accuracy,
     confidence_time,
-    drives_of,
     track_beliefs,
 )
-from lfdcore.training.goal_models import GoalLearningConfig, KernelLikelihood, kernel_likelihoods, learn_goals
+from lfdcore.training.goal_models import (
+    GoalLearningConfig,
+    KernelLikelihood,
+    kernel_likelihoods,
+    learn_goals,
+    moving,
+)
 from lfdcore.wheelchair.global_goal import GoalModel
 from lfdcore.wheelchair.goal_samples import GoalSamples, drive_samples, goal_samples
 from lfdcore.wheelchair.localisation import with_map_poses
@@ -107,9 +112,18 @@ class GoalResult:
 def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalResult:
     """Drives, learns, judges. ValueError as record_goal_drives and learn_goals; needs torch."""
     tell = progress or (lambda stage, done, total: None)
+    study.folder.mkdir(parents=True, exist_ok=True)
     drives = record_goal_drives(
         study.folder, study.world, study.seed, processes=study.processes, progress=partial(tell, "drive")
     )
+    return judge_goal_drives(study, drives, _record_trials(study, tell), tell)
+
+
+def judge_goal_drives(
+    study: GoalStudy, drives: GoalDrives, trials: GoalDrives, progress: Progress | None = None
+) -> GoalResult:
+    """Learns from recorded drives and judges on those held out; trials: drives of others, for Table 2.1."""
+    tell = progress or (lambda stage, done, total: None)
     goals = study.world.goals
     learning = replace(study.learning, seed=study.seed)
     model = learn_goals(drives.logs(drives.training), goals, learning, tell, study.processes or 1)
@@ -127,7 +141,7 @@ def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalRe
         tracks,
         network,
         _accuracies(model, held_out, tracks, network),
-        _noise_trials(study, model, tell),
+        _noise_trials(study, trials, model),
         (*_pose_errors(model, models["sparse"], held_out, tell), _matched(model, models["sparse"], localised)),
         off,
         likelihoods,
@@ -166,28 +180,31 @@ def _accuracies(
     return tuple(accuracy(name, goals, held_out) for name, goals in said.items())
 
 
-def _noise_trials(study: GoalStudy, model: GoalModel, tell: Progress) -> tuple[NoiseTrial, ...]:
-    """Five drivers to the first destinations; the noise comes onto the recorded stick, the chair was driven without."""
+def _record_trials(study: GoalStudy, tell: Progress) -> GoalDrives:
     folder = study.folder / "trials"
     folder.mkdir(exist_ok=True)
-    drives = record_goal_drives(
+    return record_goal_drives(
         folder,
         study.world,
         study.seed + TRIAL_SEED,
         processes=study.processes,
         progress=partial(tell, "drive with noise"),
     )
+
+
+def _noise_trials(study: GoalStudy, drives: GoalDrives, model: GoalModel) -> tuple[NoiseTrial, ...]:
+    """Five drivers to the first destinations; the noise comes onto the recorded stick, the chair was driven without."""
     trials = []
-    for k, (name, run) in enumerate(zip(drives.destinations, drives.runs, strict=True)):
+    for k, (name, driver) in enumerate(zip(drives.destinations, drives.drivers, strict=True)):
         goal = study.world.goals.index(name)
-        if goal >= TRIAL_GOALS or run >= TRIALS:
+        if goal >= TRIAL_GOALS or driver >= TRIALS:
             continue
         samples = drive_samples(drives.logs([k])[0], goal)
         for noise in NOISE:
             stick = noisy_joystick(samples.joystick, noise, study.seed + TRIAL_SEED + k)
             sure = confidence_time(model.network.predict(samples.pose, stick), samples.stamp, goal)
-            trials.append(NoiseTrial(goal, run, noise, sure, float(samples.stamp[-1])))
-    return tuple(trials)
+            trials.append(NoiseTrial(goal, driver, noise, sure, float(samples.stamp[-1])))
+    return tuple(sorted(trials, key=lambda trial: (trial.goal, trial.noise, trial.driver)))
 
 
 def _pose_errors(model: GoalModel, sparse: ActionModel, held_out: GoalSamples, tell: Progress) -> list[PoseError]:
@@ -231,7 +248,8 @@ def _matched(model: GoalModel, sparse: ActionModel, drives: Sequence[GoalSamples
 
 def _seconds(model: GoalModel, action_model: ActionModel, held_out: GoalSamples) -> float:
     """Median seconds of one belief's update, on one thread."""
-    chosen = drives_of(held_out)[0].where(np.arange(min(_TIMED, len(drives_of(held_out)[0]))))
+    asked = moving(held_out, model.config.at_rest)  # at rest nothing is computed
+    chosen = asked.where(np.arange(min(_TIMED, len(asked))))
     taken = []
     for k in range(len(chosen)):
         one = chosen.where(np.array([k]))

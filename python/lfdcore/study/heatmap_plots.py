@@ -132,6 +132,8 @@ def user_figure(planner: HeatmapPlanner, template: MovementTemplate) -> Figure:
         user: UserHeatmap = user_heatmap(template, moments)
         _heat(row[1], user.density, "raw heatmap")
         _heat(row[2], user.heatmap, "user heatmap")
+        row[1].set_ylabel("x, ahead [m]")
+        row[1].tick_params(labelleft=True)  # of its own: the stick's axes beside it are in other units
     return figure
 
 
@@ -252,7 +254,7 @@ def heatmap_figures(
             user_figure(planner, template),
             "As Fig. 4.10. Left: three sticks, with mean and standard deviation of the orientation that is meant, by "
             f"the Gaussian processes and a driver's own {np.degrees(planner.config.driver_sd):.0f}°. Centre: raw "
-            "heatmap from the movement template. Right: times the distance filter. Each scaled by its maximum.",
+            "heatmap from the movement template. Right: times the distance filter. Yellow: the maximum of each.",
         )
     )
     moment = heat_moment(model, drive, config)
@@ -273,9 +275,9 @@ def _sensor_picture(model: HeatmapModel, demonstrations: Sequence[DriveLog]) -> 
     return Picture(
         sensor_figure(model, log, pairs, index),
         "As Fig. 4.6-4.7. A: scan. B: the cells that it sees free (white), the network's input. C: all demonstrated "
-        "paths through them that lead away, ends twice as hot, smoothed: its target. D: the network's answer. Of "
-        f"{len(pairs)} scans of {len(demonstrations)} drives the one with most heat in its target; log {log.name}, "
-        f"{known}.",
+        "paths through them that lead away, ends twice as hot, smoothed: its target. D: the network's answer. Yellow: "
+        f"1. Of {len(pairs)} scans of {len(demonstrations)} drives the one with most heat in its target; log "
+        f"{log.name}, {known}.",
     )
 
 

@@ -68,8 +68,9 @@ def _cell(values: np.ndarray, digits: int, thesis: str = "-", bounded: bool = Fa
     return "\n".join(lines if thesis == "-" else [*lines, f"thesis {thesis}"])
 
 
-def comparison_table(comparison: Comparison, seed: int) -> Table:
-    """Table 4.2 beside the thesis's figures; `seed`: what the drives were made with."""
+def comparison_table(comparison: Comparison, seed: int | None) -> Table:
+    """Table 4.2 beside the thesis's figures; `seed`: what the unassisted drives were made with, None for a user's own
+    logs."""
     rows: list[Row] = []
     for figure, label, digits, thesis in _ROWS:
         columns = [comparison.column(method, figure) for method in METHODS]
@@ -83,9 +84,10 @@ def comparison_table(comparison: Comparison, seed: int) -> Table:
     rows.append(("computation time,\nratio to heatmaps", *times, last, "", ""))
     config = comparison.config
     discounts = f"{config.primitives.dpp.discount:g} of DPP, {config.heatmaps.q_learning.discount:g} of Q-learning"
+    runs, drawn = ("logs", "") if seed is None else ("unassisted runs", f", seed {seed}")
     return Table(
-        f"A-posteriori comparison (as Table 4.2; n = {len(comparison.runs)} unassisted runs, {comparison.frames} "
-        f"frames every {config.period:g} s of driving, seed {seed})",
+        f"A-posteriori comparison (as Table 4.2; n = {len(comparison.runs)} {runs}, {comparison.frames} frames every "
+        f"{config.period:g} s of driving{drawn})",
         ("", *(METHOD_NAMES[method].replace(" (", "\n(") for method in METHODS), "p,\nprimitives", "p,\nnaive"),
         tuple(rows),
         _DEFINITIONS.format(discounts=discounts)
@@ -134,7 +136,7 @@ def comparison_section(
         )
     )
     return Section(
-        "What the methods foretell, a posteriori",
+        "What the methods predict, a posteriori (Sec. 4.6.2)",
         f"All three methods see the same unassisted drives and plan every .5 s. {comparison_verdict(comparison)}",
         [comparison_table(comparison, seed)],
         pictures,

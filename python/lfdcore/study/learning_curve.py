@@ -300,13 +300,13 @@ def _foretell(study: LearningCurveStudy, tell: Progress, processes: int | None) 
     rows: list[dict[str, Any]] = []
     found = [(0, STRAIGHT), (0, ARC_ON), *((n, method) for n in study.runs for method in METHODS)]
     for done, (n, method) in enumerate(found):
-        tell("foretell paths", done, len(found))
+        tell("predict paths", done, len(found))
         foretell = _baselines()[method] if n == 0 else _with_model(study, study.model_files(n).of(method))
         for log, samples in judged:
             error = float(path_errors(foretell(log, samples), samples.driven, REACH).mean())
             what = {"demonstrations": n, "method": method, "log": log.name, "samples": len(samples)}
             rows.append({**what, "error": error})
-    tell("foretell paths", len(found), len(found))
+    tell("predict paths", len(found), len(found))
     return rows
 
 

@@ -34,7 +34,7 @@ PANELS: tuple[tuple[str, Callable[[CurvePoint], Estimate]], ...] = (
     ("share completed", lambda p: p.completion),
     ("path RMSE [m]", lambda p: _of_summary(p.path_rmse)),
     ("angular jerk / unassisted", lambda p: _of_summary(p.jerk_ratio)),
-    ("error of the path\nforetold to 2.5 m [m]", lambda p: _of_summary(p.path_error)),
+    ("error of the path\npredicted to 2.5 m [m]", lambda p: _of_summary(p.path_error)),
 )
 
 
@@ -73,8 +73,8 @@ def origin(curve: LearningCurve) -> str:
     return (
         f"Demonstrations: the first n of the runs in the mazes, seeds {first}..{first + max(study.runs) - 1}. Closed "
         f"loop: n = {study.drivers} simulated impaired drivers, each on a way of its own in home_20x19, seeds "
-        f"{first + 600}..{first + 599 + study.drivers}. Foretold: {study.predicted} runs of simulated able drivers "
-        f"there, seeds {first + 500}..{first + 499 + study.predicted}, {samples} scans."
+        f"{first + 600}..{first + 599 + study.drivers}. Predicted paths: {study.predicted} runs of simulated able "
+        f"drivers there, seeds {first + 500}..{first + 499 + study.predicted}, {samples} scans."
     )
 
 
@@ -88,7 +88,7 @@ def curve_table(curve: LearningCurve) -> Table:
         "path RMSE [m]",
         "angular jerk /\nunassisted",
         "time /\nunassisted",
-        "error foretold,\nto 2.5 m [m]",
+        "error of predicted\npaths, to 2.5 m [m]",
     )
     note = (
         f"{origin(curve)} In brackets 95 % intervals: of the share Wilson's, of contacts a run Garwood's (Poisson), of "
@@ -126,7 +126,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
 
 @styled
 def curve_figure(curve: LearningCurve) -> Figure:
-    """Contacts, completion, path RMSE, jerk and foretold path over the number of runs, with 95 % intervals."""
+    """Contacts, completion, path RMSE, jerk and predicted path over the number of runs, with 95 % intervals."""
     figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     points = curve.points()
     panels = figure.subplots(1, len(PANELS))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Sequence
 from functools import wraps
+from math import ceil
 from typing import ParamSpec
 
 import matplotlib.style
@@ -60,7 +61,8 @@ ARM_NAMES = {
     "supervisor": "supervisor only",
     "two_way": "heatmaps, both ways",
 }
-_SMALLEST_SCALE = 0.12  # [in/m] panels that would be smaller stand below each other
+_SMALLEST_SCALE, _SMALLEST_OF_MANY = 0.12, 0.05  # [in/m] of up to 3 panels in a row, and of more
+_NARROWEST = 2.5  # [in] of a panel, so that titles do not run into each other
 
 
 def styled(make: Callable[P, Figure]) -> Callable[P, Figure]:
@@ -227,24 +229,35 @@ def _seen(course: Course, traces: Sequence[DriveTrace], margin: float = 1.6) -> 
     return (max(low[0], x0), min(high[0], x1), max(low[1], y0), min(high[1], y1))
 
 
+def _columns(panels: int, width: float) -> int:
+    """How many panels of `width` [m] stand in a row: as many as stay legible, in rows of about the same length."""
+    smallest = _SMALLEST_SCALE if panels <= 3 else _SMALLEST_OF_MANY
+    most = max(1, min(panels, int(PAGE / _NARROWEST), int(PAGE / width / smallest)))
+    return ceil(panels / ceil(panels / most))
+
+
 @styled
 def course_figure(course: Course, traces: Sequence[DriveTrace]) -> Figure:
-    """The same course for several runs, side by side, or below each other where it is wide (Fig. 3.13-3.15, 3.18)."""
+    """The same course for several runs, side by side, in rows where they are many or wide (Fig. 3.13-3.15, 3.18)."""
     limits = _seen(course, traces)
     width, height = limits[1] - limits[0], limits[3] - limits[2]
-    side_by_side = PAGE / len(traces) / width >= _SMALLEST_SCALE
-    columns = len(traces) if side_by_side else 1
-    rows = len(traces) // columns
+    columns = _columns(len(traces), width)
+    rows = ceil(len(traces) / columns)
     scale = min((PAGE / columns - 0.35) / width, 9.0 / height)
     size = (columns * (scale * width + 0.35) + 0.35, rows * (scale * height + 0.9) + 0.4)
     figure = Figure(figsize=(max(size[0], 5.0), size[1]), layout="compressed")
-    panels = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)).ravel()
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     spacing = max(0.7, course.length / 150)
-    for axes, trace in zip(panels, traces, strict=True):
+    for axes, trace in zip(panels, traces, strict=False):
         draw_grid(axes, course.grid)
         draw_run(axes, trace, spacing)
         axes.set(xlim=limits[:2], ylim=limits[2:], title=_run_title(trace))
         axes.label_outer()
+    for k in range(len(traces), len(panels)):
+        panels[k].remove()
+        above = panels[k - columns]
+        above.tick_params(labelbottom=True)
+        above.set_xlabel("x [m]")
     handles = _run_legend(traces)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, handlelength=1.4)
     return figure

@@ -401,18 +401,24 @@ def aims_table(result: DrivingResult, arm: str) -> Table | None:
     )
 
 
-def headline(result: DrivingResult, arm: str = "primitives") -> str:
-    """The result in a sentence: collisions, completion and jerk of `arm` (without it the last one) and unassisted."""
+def headline(result: DrivingResult) -> str:
+    """The result in a sentence: collisions, completion and jerk of the learned arms (without any the last one) and
+    unassisted."""
     study = result.study
-    arm = arm if arm in study.arms else study.arms[-1]
-    first = [name for name in ("none",) if name in study.arms and name != arm]
-    text = "; ".join(_counts(result, name) for name in (arm, *first))
+    arms = [arm for arm in _MOST_JERK if arm in study.arms] or [study.arms[-1]]
+    first = [name for name in ("none",) if name in study.arms and name not in arms]
+    text = "; ".join(_counts(result, name) for name in (*arms, *first))
     if first:
-        labels = course_labels(study.courses)
-        ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
-        text += f". Angular jerk / unassisted: {', '.join(ratios)}".replace("nan", "-")
+        jerks = "; ".join(_jerk_ratios(result, arm, named=len(arms) > 1) for arm in arms)
+        text += f". Angular jerk / unassisted: {jerks}".replace("nan", "-")
     people = f"simulated impaired driver{'s' * (study.drivers != 1)}"
     return f"{text}. n = {study.drivers} {people} a course, {_seeds(study)}."
+
+
+def _jerk_ratios(result: DrivingResult, arm: str, named: bool) -> str:
+    labels = course_labels(result.study.courses)
+    ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
+    return (f"{arm_name(arm)} " if named else "") + ", ".join(ratios)
 
 
 def _seeds(study: DrivingStudy) -> str:

@@ -128,8 +128,10 @@ def fit_gaussian_process(
     )
 
 
-STICK_SEARCH = HyperParameterConfig(lengthscale=(0.1, 1.0))
-"""Length-scales from a bin of the used range to all of it: where nothing was corrected, any other would do as well."""
+STICK_SEARCH = HyperParameterConfig(amplitude=(0.01, 1.0), lengthscale=(0.1, 1.0))
+"""Length-scales from a bin of the used range to all of it: where nothing was corrected, any other would do as well. And
+no driver to come is thought to be corrected by more than demonstrators were: for some draws of demonstrations the
+likelihood is largest at several times that, which says of a stick beyond theirs that it may mean anything."""
 
 
 def fit_joystick_model(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -70,7 +71,7 @@ class GoalBelief:
 
 @dataclass(frozen=True)
 class GoalModel:
-    """Destinations, the drives to them, and what was learned: see the module."""
+    """Destinations, the drives to them, and what was learned: see the module. ValueError for parts that do not fit."""
 
     goals: Goals
     samples: GoalSamples
@@ -81,6 +82,18 @@ class GoalModel:
     network: GoalNetwork
     config: GoalFilterConfig
     metadata: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        goals, count = len(self.goals), len(self.samples)
+        _require_indices("samples go to goals", self.samples.goal, goals)
+        _require_indices("subset names samples", self.subset, count)
+        if len(self.network.output) != goals:
+            raise ValueError(f"the network tells {len(self.network.output)} goals apart, there are {goals}")
+        sizes = (5 if self.config.heading == "raw" else 6, 2)
+        for kernel in self.kernels:
+            found = (len(kernel.state_lengthscales), len(kernel.goal_lengthscales))
+            if found != sizes:
+                raise ValueError(f"a kernel has {found} length-scales of state and goal, must have {sizes}")
 
     def action_model(self, data: Data = "sparse") -> ActionModel:
         """p(y | g, x) (Sec. 2.3). `full` inverts a matrix of all N samples: minutes and gigabytes for N = 10^4."""
@@ -103,7 +116,8 @@ class GoalModel:
         goals = [dataclasses.asdict(goal) for goal in self.goals.goals]
         kernels = [_kernel_values(kernel) for kernel in self.kernels]
         header: dict[str, Any] = {"goals": goals, "map": str(self.goals.map or ""), "frame": "map", "kernels": kernels}
-        header |= {"config": dataclasses.asdict(self.config), "metadata": self.metadata}
+        header |= {"config": dataclasses.asdict(self.config), "network_heading": self.network.heading}
+        header["metadata"] = self.metadata
         write_tensor_file(path, KIND, VERSION, header, self._tensors())
 
     def _tensors(self) -> Tensors:
@@ -122,15 +136,21 @@ class GoalModel:
 
     @classmethod
     def _of(cls, header: dict[str, Any], tensors: Tensors) -> GoalModel:
-        goals = Goals(tuple(Goal(**goal) for goal in header["goals"]), header["map"] or None)
+        place = Path(header["map"]) if header["map"] else None
+        goals = Goals(tuple(Goal(**goal) for goal in header["goals"]), place)
         samples = GoalSamples(**{name: tensors[f"samples.{name}"] for name in GoalSamples.__dataclass_fields__})
-        if len(samples) and not (samples.goal.min() >= 0 and samples.goal.max() < len(goals)):
-            raise ValueError(f"samples go to goals up to {samples.goal.max()}, there are {len(goals)}")
         first, second = (ActionKernel(**values) for values in header["kernels"])
         config = GoalFilterConfig(**header["config"])
         weights = {name: tensors[f"network.{name}"] for name in ("centre", "scale", "hidden", "output")}
-        network = GoalNetwork(config.heading, **weights)
+        network = GoalNetwork(header["network_heading"], **weights)
         return cls(goals, samples, (first, second), tensors["subset"], network, config, header["metadata"])
+
+
+def _require_indices(what: str, indices: NDArray[np.int64], count: int) -> None:
+    if indices.ndim != 1 or not np.issubdtype(indices.dtype, np.integer):
+        raise ValueError(f"{what} by {indices.dtype} {indices.shape}, must be integers (n,)")
+    if len(indices) and not (indices.min() >= 0 and indices.max() < count):
+        raise ValueError(f"{what} {indices.min()} to {indices.max()}, there are {count}")
 
 
 def _kernel_values(kernel: ActionKernel) -> dict[str, Any]:

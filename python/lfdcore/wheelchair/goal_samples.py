@@ -43,6 +43,8 @@ class GoalSamples:
                 raise ValueError(f"{name} must be finite and ({n}, {width}), is {values.shape}")
         if self.goal.shape != (n,) or self.drive.shape != (n,):
             raise ValueError(f"goal and drive must be ({n},), are {self.goal.shape} and {self.drive.shape}")
+        if not all(np.issubdtype(array.dtype, np.integer) for array in (self.goal, self.drive)):
+            raise ValueError(f"goal and drive must be integers, are {self.goal.dtype} and {self.drive.dtype}")
 
     def __len__(self) -> int:
         return len(self.stamp)
@@ -69,17 +71,20 @@ def pose_features(pose: Floats, heading: Heading) -> Floats:
 
 
 def drive_samples(log: DriveLog, goal: int = -1, drive: int = 0) -> GoalSamples:
-    """A drive at its odometry's moments from the first stick on. ValueError without joystick or pose in the map."""
+    """A drive at its odometry's moments from the first stick on. ValueError without joystick or pose in the map, or
+    without odometry from then on."""
     if not len(log.joystick_stamp):
         raise ValueError(f"log {log.name!r} has no joystick, which is what destinations are inferred from")
     stamp = log.odometry_stamp[log.odometry_stamp >= log.joystick_stamp[0]]
+    if not len(stamp):
+        raise ValueError(f"log {log.name!r} has no odometry once its joystick begins")
     return GoalSamples(
         log.map_pose_at(stamp),
         log.twist_at(stamp),
         log.joystick_at(stamp),
         np.full(len(stamp), goal),
         np.full(len(stamp), drive),
-        stamp - stamp[0] if len(stamp) else stamp,
+        stamp - stamp[0],
     )
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from lfdcore.errors import DataError, ModelError
 from lfdcore.geometry import Twist2
-from lfdcore.wheelchair import heatmap_model, model_file
+from lfdcore.wheelchair import global_goal, heatmap_model, model_file
+from lfdcore.wheelchair.global_goal import GoalModel
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.tensor_file import tensor_file_format
@@ -22,9 +23,16 @@ KINDS: dict[str, type[Model]] = {
 }
 
 
+def load_any_model(path: str | os.PathLike[str]) -> Model | GoalModel:
+    """As load_model, or a model of destinations, which plans no path."""
+    return GoalModel.load(path) if tensor_file_format(path) == global_goal.KIND else load_model(path)
+
+
 def load_model(path: str | os.PathLike[str]) -> Model:
-    """ModelError for a file that is damaged or holds no model known here; OSError if it cannot be opened."""
+    """A model that assists. ModelError for a file that is damaged or holds none; OSError if it cannot be opened."""
     found = tensor_file_format(path)
+    if found == global_goal.KIND:
+        raise ModelError(f"{path} is a model of destinations (lfdcore track), no model that plans paths")
     if found not in KINDS:
         raise ModelError(f"{path} holds '{found}', must be one of {', '.join(KINDS)}")
     return KINDS[found].load(path)

@@ -33,7 +33,7 @@ class TypicalPathConfig:
     stick's direction, a unit vector, as in the compliance model; rare: so many demonstrations of a way with some other
     stick are added, lest a way seen once or twice be the likeliest for whatever stick it was seen with."""
 
-    ratio: float = 0.1
+    ratio: float = 0.05
     sigma: float = 0.1
     rare: float = 10.0
 

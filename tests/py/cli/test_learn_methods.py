@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from lfdcore.cli import main as command_line
+from lfdcore.cli.common import print_facts
 from lfdcore.datasets import DriveLog
 from lfdcore.study.driving import models_by_method
+from lfdcore.study.heatmap_demonstrations import drive_to_destinations
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.tensor_file import write_tensor_file
@@ -72,6 +74,7 @@ def test_learning_shows_bars_and_learning_curves(learned, folder) -> None:
         assert "network" in told
         assert "epoch" in told
         assert told.count("kept") == 1
+        assert "train_losses" not in told  # they stand in the table
     assert "epoch" not in (folder / "primitives.txt").read_text()
 
 
@@ -113,6 +116,28 @@ def test_three_kinds_side_by_side_in_one_table_and_picture(learned, folder, monk
     assert 0 < about["heatmaps"]["compliant"] <= 1
 
 
+def test_three_kinds_are_compared_as_in_table_4_2_with_concatenated_landscapes(learned, folder, monkeypatch, capsys):
+    (driven,) = drive_to_destinations(folder, 1, runs=1, processes=1).paths
+    picture, words = folder / "landscapes.png", [*learned.values(), driven, "--to", ".5"]
+    code, out, err = run(monkeypatch, capsys, "predict", *words, "--concatenated", picture)
+    assert code == 0, err
+    assert "A-posteriori comparison (as Table 4.2; n = 1 logs, " in out
+    assert "reward at positions" in out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    code, out, _ = run(monkeypatch, capsys, "predict", *words, "--concatenated", picture, "--json")
+    found = json.loads(out)["comparison"]
+    assert list(found) == ["primitives", "naive", "heatmaps"]
+    assert all(0 <= figures["rank"][0] <= 100 for figures in found.values())
+
+
+def test_a_comparison_without_a_model_of_each_kind_says_which_were_given(learned, folder, monkeypatch, capsys):
+    words = [learned["naive"], learned["heatmaps"], folder / "corner.mcap", "--concatenated", folder / "none.png"]
+    code, _, err = run(monkeypatch, capsys, "predict", *words)
+    assert code == 2
+    assert "one model of each kind; given are 0 of primitives, 1 naive, 1 of heatmaps" in " ".join(err.split())
+    assert not (folder / "none.png").exists()
+
+
 @pytest.mark.parametrize("option", [("--rule", "goal"), ("--preset", "thesis")])
 def test_what_only_path_primitives_know_is_refused_with_other_models(learned, folder, monkeypatch, capsys, option):
     code, _, err = run(monkeypatch, capsys, "predict", *learned.values(), folder / "corner.mcap", *option)
@@ -128,6 +153,12 @@ def test_info_says_which_kind_a_model_is(learned, monkeypatch, capsys) -> None:
         found = json.loads(out)
         assert found["kind"] == kinds[name]
         assert found["logs"] == ["corner"]
+
+
+def test_info_tells_people_long_lists_by_their_ends(capsys) -> None:
+    print_facts({"loss": 0.10970439016819, "logs": [f"maze-{k}" for k in range(72)], "held_out": [5, 8]})
+    loss, logs, held_out = (line.split(maxsplit=1)[1] for line in capsys.readouterr().out.splitlines())
+    assert (loss, logs, held_out) == ("0.109704", "maze-0, maze-1, ..., maze-71 (72)", "5, 8")
 
 
 def test_a_study_refuses_a_naive_model(learned) -> None:
@@ -189,14 +220,23 @@ def test_what_cannot_be_learned_is_one_clear_line(folder, monkeypatch, capsys, w
     assert not output.exists()
 
 
-def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys) -> None:
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("learn", "drive", "corner.mcap", "--method", "heatmaps", "-o", "never.safetensors"),
+        ("study", "adaptation", "-o", "never", "--drivers", "1", "--processes", "1"),
+        ("study", "backwards", "-o", "never", "--drivers", "1", "--processes", "1"),
+    ],
+)
+def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys, words) -> None:
+    monkeypatch.chdir(folder)
     monkeypatch.setitem(sys.modules, "torch", None)
     for name in [n for n in sys.modules if n.startswith(("lfdcore.training.heatmap_net", "lfdcore.training.drive_"))]:
         monkeypatch.delitem(sys.modules, name)
-    words = ("learn", "drive", folder / "corner.mcap", "--method", "heatmaps", "-o", folder / "never.safetensors")
     code, _, err = run(monkeypatch, capsys, *words)
     assert code == 1
     assert "extra 'train'" in err
+    assert "Traceback" not in err
 
 
 @pytest.mark.parametrize("method", ["primitives", "naive", "heatmaps"])

@@ -205,18 +205,39 @@ def test_moments_do_not_depend_on_the_order_of_samples_nor_on_where_the_map_begi
         assert apart(other, first.mean, first.covariance, first.cross_covariance) < 1e-11
 
 
-def test_an_update_is_2_2_and_2_3_and_process_noise_comes_first() -> None:
-    steered = IntentionFilter(MODEL, MEAN, COVARIANCE, process_noise=0.2)
-    wider = COVARIANCE + 0.2 * np.eye(2)
-    moments = MODEL.moments(STATE, MEAN, wider)
+def updated(mean: np.ndarray, covariance: np.ndarray, action: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """2.2 and 2.3, written down."""
+    moments = MODEL.moments(STATE, mean, covariance)
     gain = moments.cross_covariance @ np.linalg.inv(moments.covariance)
-    belief = steered.update(STATE, [0.4, -0.1])
-    assert belief.mean == pytest.approx(MEAN + gain @ ([0.4, -0.1] - moments.mean), abs=1e-12)
-    assert belief.covariance == pytest.approx(wider - gain @ moments.cross_covariance.T, abs=1e-12)
+    return mean + gain @ (action - moments.mean), covariance - gain @ moments.cross_covariance.T
+
+
+def test_an_update_is_2_2_and_2_3_and_process_noise_comes_first() -> None:
+    noise = 1e-4  # so little that the belief stays narrower than the prior
+    steered = IntentionFilter(MODEL, MEAN, COVARIANCE, process_noise=noise)
+    first = steered.update(STATE, [0.4, -0.1])
+    mean, covariance = first.mean, first.covariance
+    wider = covariance + noise * np.eye(2)
+    assert np.linalg.eigvalsh(COVARIANCE - wider).min() >= 0
+    expected = updated(mean, wider, [0.3, 0.1])
+    belief = steered.update(STATE, [0.3, 0.1])
+    assert belief.mean == pytest.approx(expected[0], abs=1e-12)
+    assert belief.covariance == pytest.approx(expected[1], abs=1e-12)
     assert np.array_equal(steered.belief.mean, belief.mean)
     steered.reset()
     assert np.array_equal(steered.belief.mean, MEAN)
     assert np.array_equal(steered.belief.covariance, COVARIANCE)
+
+
+def test_process_noise_makes_no_belief_wider_than_the_prior() -> None:
+    steered = IntentionFilter(MODEL, MEAN, COVARIANCE, process_noise=50.0)
+    expected = updated(MEAN, COVARIANCE, [0.4, -0.1])  # the noise alone would bring it far beyond
+    belief = steered.update(STATE, [0.4, -0.1])
+    assert belief.mean == pytest.approx(expected[0], abs=1e-9)
+    assert belief.covariance == pytest.approx(expected[1], abs=1e-9)
+    for _ in range(5):  # where nothing is known, the belief widens, but no farther
+        belief = steered.update(STATE + 1e3, [0.0, 0.0])
+    assert np.linalg.eigvalsh(COVARIANCE - belief.covariance).min() > -1e-9
 
 
 def test_the_filter_finds_the_goal_that_a_driver_goes_to() -> None:

@@ -68,6 +68,8 @@ def test_the_picture_has_a_panel_a_bias_and_judges_what_is_kept_only_later(runs:
     before, then, adapting = panels[0].get_lines()[:3]
     np.testing.assert_array_equal(before.get_xdata(), adapting.get_xdata())
     assert min(then.get_xdata()) > 60.0 > min(before.get_xdata())
+    drawn = max(float(np.nanmax(line.get_ydata())) for axes in panels for line in axes.get_lines()[:3])
+    assert panels[0].get_ylim()[0] == 0 and panels[0].get_ylim()[1] > drawn
 
 
 def test_a_drive_that_ends_before_it_is_judged_is_refused(heatmap_model: Path) -> None:

@@ -66,6 +66,8 @@ def test_the_section_draws_three_runs_and_names_n_and_seed() -> None:
     (picture,) = section.pictures
     assert "of 3 of 6 runs" in picture.caption and "seed 3" in picture.caption
     assert png(picture.figure)[:4] == b"\x89PNG"
+    labels = [axes.get_xlabel() for axes in picture.figure.axes[:9]]
+    assert labels == [""] * 6 + ["x [m]"] * 3
     assert len(median_runs(comparison(PRINTED, 2).runs)) == 2
 
 

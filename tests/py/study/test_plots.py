@@ -147,6 +147,24 @@ def test_wide_courses_stand_below_each_other() -> None:
     assert first.get_subplotspec().rowspan.start < second.get_subplotspec().rowspan.start
 
 
+@pytest.mark.parametrize("panels", [4, 5, 6, 8])
+def test_many_arms_stand_in_rows_and_no_text_overlaps(runs: list[DriveTrace], panels: int) -> None:
+    figure = course_figure(doorway_and_docking(3).course, [runs[k % 2] for k in range(panels)])
+    assert len(figure.axes) == panels
+    grid = figure.axes[0].get_gridspec()
+    assert (grid.nrows, grid.ncols) == {4: (1, 4), 5: (2, 3), 6: (2, 3), 8: (2, 4)}[panels]
+    assert [bool(axes.get_xlabel()) for axes in figure.axes[-grid.ncols :]] == [True] * grid.ncols
+    assert overlapping(shown_texts(figure)) == []
+
+
+def test_a_long_course_of_many_arms_is_no_column_of_panels() -> None:
+    course = campus()
+    way = np.column_stack([course.route, np.zeros(len(course.route))])
+    figure = course_figure(course, [drive(way)] * 6)
+    assert figure.axes[0].get_gridspec().ncols == 2
+    assert figure.get_figheight() < 1.5 * figure.get_figwidth()
+
+
 def test_a_picture_needs_no_pyplot() -> None:
     modules = "lfdcore.study.driving_report, lfdcore.study.prediction_picture"
     code = f"import sys, {modules}; print('matplotlib.pyplot' in sys.modules)"

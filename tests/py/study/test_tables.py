@@ -248,6 +248,19 @@ def test_the_headline_counts_the_learned_arm_against_the_unassisted_one() -> Non
     assert said.endswith("n = 5 simulated impaired drivers a course, seeds 1..5.")
 
 
+def test_the_headline_names_every_learned_arm() -> None:
+    rows = study_rows()
+    more = [row | {"assistant": "heatmaps"} for row in rows if row["assistant"] == "primitives"]
+    study = DrivingStudy(
+        courses=(flat(),), models=StudyModels(Path("m"), Path("h")), arms=(*ARMS, "heatmaps"), drivers=5
+    )
+    said = headline(DrivingResult(study, (), (*rows, *more)))
+    assert said.startswith(
+        "primitives (learned): 0 collisions, 5 of 5 runs completed; heatmaps (learned): 0 collisions"
+    )
+    assert "Angular jerk / unassisted: primitives (learned) 0.50 (flat); heatmaps (learned) 0.50 (flat)." in said
+
+
 def test_the_headline_does_without_arms_that_were_not_driven() -> None:
     study = DrivingStudy(courses=(flat(),), models=StudyModels(Path("m")), arms=("none",), drivers=5)
     rows = tuple(r for r in study_rows() if r["assistant"] == "none")

@@ -176,7 +176,7 @@ def test_along_a_path_the_command_is_at_most_the_sticks_share_of_the_limits(
         return (size * float(np.cos(angle)), size * float(np.sin(angle)))
 
     commands = [said.command for _, said in drive(assistant, stick, 150) if said.mode == "path"]
-    assert len(commands) > 40
+    assert len(commands) > 30
     assert max(abs(c.linear) for c in commands) <= size * LIMITS.max_linear + 1e-9
     assert max(abs(c.angular) for c in commands) <= size * LIMITS.max_angular + 1e-9
 
