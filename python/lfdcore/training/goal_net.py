@@ -1,18 +1,23 @@
-"""Trains the network of Sec. 2.2 with torch; handed over as plain weights."""
+"""Trains the network of Sec. 2.2 with torch; handed over as plain weights.
+
+torch is imported where it trains: a study's config and the processes that search kernels need none of it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import nn
-from torch.nn import functional
 
 from lfdcore.wheelchair.goal_network import GoalNetwork, network_inputs
 from lfdcore.wheelchair.goal_samples import GoalSamples, Heading
+
+if TYPE_CHECKING:
+    import torch
+    from torch import nn
 
 Progress = Callable[[int, int], None]
 
@@ -44,6 +49,8 @@ def train_goal_network(
 
     Runs on one thread: the same seed gives the same weights.
     """
+    import torch
+
     config, tell = config or GoalNetConfig(), progress or (lambda done, total: None)
     missing = sorted(set(range(goals)) - set(samples.goal.tolist()))
     if missing:
@@ -65,6 +72,9 @@ def train_goal_network(
 def _optimise(
     x: torch.Tensor, y: torch.Tensor, config: GoalNetConfig, tell: Progress
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    import torch
+    from torch.nn import functional
+
     random = torch.Generator().manual_seed(config.seed)
     hidden, output = _layer(x.shape[1], config.neurons, random), _layer(config.neurons, y.shape[1], random)
     weights = [*hidden.parameters(), *output.parameters()]
@@ -82,7 +92,9 @@ def _optimise(
 
 
 def _layer(inputs: int, outputs: int, random: torch.Generator) -> nn.Linear:
-    layer = nn.Linear(inputs, outputs, dtype=torch.float64)
+    import torch
+
+    layer = torch.nn.Linear(inputs, outputs, dtype=torch.float64)
     with torch.no_grad():
         layer.weight.normal_(0, inputs**-0.5, generator=random)
         layer.bias.zero_()
