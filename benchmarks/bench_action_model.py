@@ -2,10 +2,10 @@
 
 The rival is lfdcore.training.torch_action_model on one thread: batched float64, no loop over samples, the equations as
 printed, which sum over pairs of samples. Beside it stands the same with the sums over pairs of goals that lfdcore has,
-for those who found them. N = 800 is a subset as training set, N = 9153 the full
-model, whose matrices torch makes and drops in turn (some 5 GB). `far` leaves the samples in their 72 x 72 m, so that
-most are far from any one state; `near` has length-scales so long that every sample counts and all of D is read. One
-process, interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
+for those who found them. N = 800 is a subset as training set, N = 9153 the full model, whose matrices torch makes and
+drops in turn (some 5 GB). `far` leaves the samples in their 72 x 72 m, so that most are far from any one state; `near`
+has length-scales so long that every sample counts and all of D is read. One process, interleaved, medians of its CPU
+time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
 """
 
 import os
@@ -97,6 +97,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[800, 9153])
     arguments = parser.parse_args()
     torch.set_num_threads(1)
+    torch.set_flush_denormal(True)  # as lfdcore does: similarities far away are subnormal
     for count in arguments.sizes:
         for name, scale in (("far", 1.0), ("near", 5.0)):
             compare(name, count, scale, arguments.rounds if count > 2000 else 5 * arguments.rounds)

@@ -117,7 +117,8 @@ class TorchActionModel:
         del K
         if int(failed):
             raise ValueError("the covariance of the samples is not positive definite: raise a kernel's noise")
-        return torch.cholesky_inverse(factor), torch.cholesky_solve(y, factor)[:, 0]
+        inverse = torch.cholesky_inverse(factor).T  # symmetric; its rows lie together now, as those of Q do
+        return inverse, torch.cholesky_solve(y, factor)[:, 0]
 
     def _first(
         self, a: int, u: torch.Tensor, sigma: torch.Tensor, pulled: torch.Tensor
