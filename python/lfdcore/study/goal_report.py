@@ -82,8 +82,8 @@ def noise_table(result: GoalResult) -> Table:
         tuple(rows),
         "From when on its likelihood is .9 or more for the rest of the drive. Over all: "
         f"{_percent(share.mean)} +- {_percent(share.sd)} of the drive (thesis 45 +- 12 %), never in "
-        f"{share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian on both axes of the recorded stick, cut at "
-        "full scale; the chair was driven without it.",
+        f"{share.missing} of {len(result.trials)}. Noise: zero-mean Gaussian on both axes of the recorded stick, cut "
+        "at full scale; the chair was driven without it.",
     )
 
 
