@@ -74,7 +74,7 @@ def test_beliefs_along_drives_are_those_of_a_filter_begun_anew_for_each() -> Non
     together = track_beliefs(model, both, model.action_model())
     second = both.where(both.drive == 1)
     running = GoalFilter(model)
-    for k in range(0, len(second)):
+    for k in range(len(second)):
         belief = running.update(second.pose[k], second.twist[k], second.joystick[k])
     np.testing.assert_array_equal(together.mean[-1], belief.mean)
     np.testing.assert_array_equal(together.likelihood[-1], belief.likelihood)
@@ -135,7 +135,7 @@ def test_quarters_that_no_sample_lies_in_have_no_share() -> None:
         ([0.1, 0.5, 0.95, 0.89], np.nan),
         ([0.9, 0.9, 0.9, 0.9], 0.0),
         ([0.1, 0.1, 0.1, 0.9], 3.0),
-        ([np.nan, 0.9, 0.9, 0.9], 0.0),
+        ([0.95, np.nan, 0.95, 0.95], 2.0),
     ],
 )
 def test_the_time_of_confidence_is_when_it_stays(likelihood: list[float], expected: float) -> None:
