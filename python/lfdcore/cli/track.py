@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -61,8 +62,8 @@ def track(
 
     if device is not None and not full:
         raise typer.BadParameter("--device is for the model of all samples: give --full too")
-    _require_suffix("--picture", picture, (".png", ".pdf", ".svg"))
-    _require_suffix("--animation", animation, (".gif",))
+    _require_drawable("--picture", picture, (".png", ".pdf", ".svg"))
+    _require_drawable("--animation", animation, (".gif",))
     model, log = GoalModel.load(model_file), open_log(log_file)
     grid = _map(model, map_file) if picture or animation or not len(log.map_stamp) else None
     with progress_bar() as bar:
@@ -91,9 +92,11 @@ def _action_model(model: GoalModel, full: bool, device: Device | None) -> Action
     return full_action_model(model, device.value)
 
 
-def _require_suffix(option: str, path: Path | None, allowed: tuple[str, ...]) -> None:
+def _require_drawable(option: str, path: Path | None, allowed: tuple[str, ...]) -> None:
     if path is not None and path.suffix.lower() not in allowed:
         raise typer.BadParameter(f"{option} {path} must end in {', '.join(allowed)}")
+    if path is not None and not path.parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent} to draw to")
 
 
 def _samples(
@@ -118,7 +121,9 @@ def _map(model: GoalModel, map_file: Path | None) -> OccupancyGrid:
     path = map_file or model.goals.map
     if path is None:
         raise typer.BadParameter("--map is needed: neither the model nor the command names the map")
-    return read_map(path)
+    grid = read_map(path)
+    model.goals.require_inside(grid)
+    return grid
 
 
 def _start(model: GoalModel, text: str | None) -> Pose2:
@@ -135,6 +140,8 @@ def _start(model: GoalModel, text: str | None) -> Pose2:
         x, y, yaw = (float(word) for word in text.split(","))
     except ValueError:
         raise typer.BadParameter(f"--start {text!r} must be X,Y,YAW in metres and degrees") from None
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
+        raise typer.BadParameter(f"--start {text!r} must be finite")
     return Pose2(x, y, float(np.radians(yaw)))
 
 

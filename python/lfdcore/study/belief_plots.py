@@ -18,20 +18,20 @@ from lfdcore.datasets.goals import Goals
 from lfdcore.grid import OccupancyGrid
 from lfdcore.study.goal_evaluation import BeliefTrack
 from lfdcore.study.goal_plots import goal_colour, square_around
-from lfdcore.study.plots import PAGE, STYLE, draw_grid, styled
+from lfdcore.study.plots import PAGE, STYLE, Limits, draw_grid, styled
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
 Floats = NDArray[np.float64]
 INSTANTS = (5.0, 17.0, 25.0, 30.0)
 """[s] of the panels of Fig. 2.6"""
-_SIGMAS = 2.0
+_SIGMAS = 1.0
 """Semi-axes of the ellipses in standard deviations"""
 Track = tuple[GoalSamples, BeliefTrack]
 """one drive and the beliefs along it"""
 
 
 def ellipse_of(mean: Floats, covariance: Floats, colour: str) -> Ellipse:
-    """Where the belief N(mean (2,), covariance (2, 2)) has its two standard deviations."""
+    """Where the belief N(mean (2,), covariance (2, 2)) has its standard deviation."""
     values, vectors = np.linalg.eigh(covariance)
     width, height = 2 * _SIGMAS * np.sqrt(np.maximum(values, 0))
     angle = np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0]))
@@ -53,9 +53,21 @@ def _draw_belief(axes: Axes, track: Track, at: int, colour: str) -> None:
 
 def _map_axes(axes: Axes, grid: OccupancyGrid, points: Floats) -> None:
     """The map where the points (N, 2) are."""
-    draw_grid(axes, grid)
     x0, x1, y0, y1 = square_around(points)
+    draw_grid(axes, _cropped(grid, (x0, x1, y0, y1)))
     axes.set(xlim=(x0, x1), ylim=(y0, y1))
+
+
+def _cropped(grid: OccupancyGrid, limits: Limits) -> OccupancyGrid:
+    """What of the map lies within limits [m]: the whole of a large one is slow to draw frame by frame."""
+    x, y = grid.origin
+    ends = np.array(limits) - (x, x, y, y)
+    cells = (ends / grid.resolution).astype(int) + np.array([0, 1, 0, 1])
+    i0, i1, j0, j1 = np.clip(cells, 0, [grid.width, grid.width, grid.height, grid.height])
+    if i0 == i1 or j0 == j1:
+        return grid
+    data = np.ascontiguousarray(grid.data[j0:j1, i0:i1])
+    return OccupancyGrid(data, grid.resolution, (x + i0 * grid.resolution, y + j0 * grid.resolution))
 
 
 def _points(goals: Goals, tracks: Sequence[Track]) -> Floats:

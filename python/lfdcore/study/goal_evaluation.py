@@ -106,7 +106,8 @@ def quarter_of_drive(samples: GoalSamples) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Share of samples whose goal was named, over all and by quarter of the drive; 95 % interval over drives."""
+    """Share of samples whose goal was named, over all and by quarter of the drive (NaN for one without samples); 95 %
+    interval over drives."""
 
     method: str
     samples: int
@@ -122,7 +123,8 @@ def accuracy(method: str, said: Goals, samples: GoalSamples, seed: int = 1) -> A
     right = (said == samples.goal).astype(float)
     low, high = block_bootstrap(right[:, None], samples.drive, seed)
     quarter = quarter_of_drive(samples)
-    first, second, third, fourth = (float(right[quarter == k].mean()) for k in range(4))
+    parts = (right[quarter == k] for k in range(4))
+    first, second, third, fourth = (float(part.mean()) if len(part) else float("nan") for part in parts)
     quarters = (first, second, third, fourth)
     drives = len(np.unique(samples.drive))
     return Accuracy(method, len(samples), drives, float(right.mean()), float(low[0]), float(high[0]), quarters)
@@ -145,7 +147,7 @@ def confusion(truth: Goals, said: Goals, goals: int) -> NDArray[np.int64]:
 def confidence_time(likelihood: Floats, stamp: Floats, goal: int, confidence: float = 0.9) -> float:
     """[s] from which on the likelihood (T, L) of the true goal is `confidence` or more for the rest of the drive (Table
     2.1); NaN where it is not at the end. The first time would be the earlier, the more noise throws it about."""
-    unsure = np.flatnonzero(likelihood[:, goal] < confidence)
+    unsure = np.flatnonzero(~(likelihood[:, goal] >= confidence))
     if not len(unsure):
         return float(stamp[0])
     return float(stamp[unsure[-1] + 1]) if unsure[-1] + 1 < len(stamp) else float("nan")

@@ -31,6 +31,7 @@ from lfdcore.training.goal_models import (
     moving,
 )
 from lfdcore.wheelchair.global_goal import GoalModel
+from lfdcore.wheelchair.goal_network import smoothed_over_time
 from lfdcore.wheelchair.goal_samples import GoalSamples, drive_samples, goal_samples
 from lfdcore.wheelchair.localisation import with_map_poses
 
@@ -41,6 +42,8 @@ NOISE = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0)
 """Of the stick in Table 2.1 [% of full scale]"""
 TRIALS, TRIAL_GOALS, TRIAL_SEED = 5, 4, 500
 """Drivers and destinations of Table 2.1; their drives have the study's seed and this more"""
+FILTERED = 2.0
+"""[s] time constant of Table 2.1's second share"""
 POSE_ERRORS = ((0.0, 0.0), (0.1, 0.0), (0.3, 0.0), (1.0, 0.0), (0.0, 5.0), (0.0, 20.0))
 """[m], [degrees] by which a localiser may be off all along a drive"""
 _TIMED = 20
@@ -69,6 +72,8 @@ class NoiseTrial:
     """[% of full scale]"""
     sure_after: float
     """[s]; NaN if never"""
+    filtered: float
+    """[s] the same of its estimates filtered over FILTERED seconds (end of Sec. 2.2)"""
     duration: float
     """[s] of the drive"""
 
@@ -202,8 +207,10 @@ def _noise_trials(study: GoalStudy, drives: GoalDrives, model: GoalModel) -> tup
         samples = drive_samples(drives.logs([k])[0], goal)
         for noise in NOISE:
             stick = noisy_joystick(samples.joystick, noise, study.seed + TRIAL_SEED + k)
-            sure = confidence_time(model.network.predict(samples.pose, stick), samples.stamp, goal)
-            trials.append(NoiseTrial(goal, driver, noise, sure, float(samples.stamp[-1])))
+            said = model.network.predict(samples.pose, stick)
+            filtered = smoothed_over_time(said, drives.traces[k].period, FILTERED)
+            sure, later = (confidence_time(one, samples.stamp, goal) for one in (said, filtered))
+            trials.append(NoiseTrial(goal, driver, noise, sure, later, float(samples.stamp[-1])))
     return tuple(sorted(trials, key=lambda trial: (trial.goal, trial.noise, trial.driver)))
 
 

@@ -143,6 +143,8 @@ class GoalModel:
         config = GoalFilterConfig(**header["config"])
         weights = {name: tensors[f"network.{name}"] for name in ("centre", "scale", "hidden", "output")}
         network = GoalNetwork(header["network_heading"], **weights)
+        if not isinstance(header["metadata"], dict):
+            raise ValueError(f"metadata is {header['metadata']!r}, must be an object")
         return cls(goals, samples, (first, second), tensors["subset"], network, config, header["metadata"])
 
 

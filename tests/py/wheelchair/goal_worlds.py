@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from lfdcore.datasets import DriveLog, Goal, Goals
+from lfdcore.estimation import ActionKernel
+from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
+from lfdcore.wheelchair.goal_network import GoalNetwork
 from lfdcore.wheelchair.goal_samples import GoalSamples, goal_samples
 
 GOALS = Goals((Goal("left", 6.0, 4.0), Goal("ahead", 9.0, 0.0), Goal("right", 6.0, -4.0)))
@@ -48,3 +53,30 @@ def drives(each: int, first_seed: int = 1) -> list[DriveLog]:
 def samples_of(logs: list[DriveLog]) -> GoalSamples:
     """As learned from."""
     return goal_samples(logs, GOALS)
+
+
+def tiny_model(count: int = 40, *, seed: int = 1, **config: object) -> GoalModel:
+    """A model that nothing was learned for: samples of two drives to each goal, kernels and network as they come."""
+    everything = samples_of(drives(2, first_seed=seed))
+    samples = everything.where(np.linspace(0, len(everything) - 1, count).astype(np.int64))
+    how = GoalFilterConfig(**config)
+    width = 5 if how.heading == "raw" else 6
+    rng = np.random.default_rng(seed)
+    network = GoalNetwork(
+        how.heading, np.zeros(width), np.ones(width), rng.normal(size=(4, width + 1)), rng.normal(size=(3, 5))
+    )
+    sizes = [2.0, 2.0, *[0.8] * (width - 4), 0.5, 1.0]
+    kernels = (ActionKernel(0.5, sizes, [5.0, 5.0], 0.1), ActionKernel(0.4, sizes, [6.0, 4.0], 0.15))
+    subset = rng.permutation(count)[: count // 2]
+    return GoalModel(GOALS, samples, kernels, subset, network, how, {"seed": seed})
+
+
+@cache
+def learned() -> GoalModel:
+    """A model of three drives to every goal, learned in about a second; needs torch."""
+    from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+    from lfdcore.training.goal_net import GoalNetConfig
+
+    network = GoalNetConfig(epochs=30)
+    config = GoalLearningConfig(network=network, search_samples=120, searches=1, generations=10, subset=120)
+    return learn_goals(drives(3), GOALS, config)

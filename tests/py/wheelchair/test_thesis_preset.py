@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from goal_worlds import GOALS, drive_to, drives
 
 from lfdcore.datasets import open_log
 from lfdcore.geometry import Pose2, Twist2
@@ -24,7 +25,10 @@ from lfdcore.study.courses import home
 from lfdcore.study.drivers import ExpertDriver
 from lfdcore.study.runner import run_drive
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
+from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
+from lfdcore.wheelchair.global_goal import GoalFilter
+from lfdcore.wheelchair.goal_samples import drive_samples
 from lfdcore.wheelchair.heatmap_model import HeatmapModel
 from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
 from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
@@ -37,6 +41,7 @@ TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {
     "learning": (LearningConfig.thesis(), LearningConfig()),
     "heatmap_learning": (HeatmapLearningConfig.thesis(), HeatmapLearningConfig()),
+    "goal_learning": (GoalLearningConfig.thesis(), GoalLearningConfig()),
     "assistant": (DriveAssistantConfig.thesis(), DriveAssistantConfig()),
     "prediction": (PathPredictionConfig.thesis(), PathPredictionConfig()),
 }
@@ -155,6 +160,27 @@ def joystick_outcome(config: HeatmapLearningConfig, log: Any) -> Iterator[bytes]
     yield from (np.array(model.predict(stick)).tobytes() for stick in STICKS)
 
 
+def goal_outcome(config: GoalLearningConfig) -> Iterator[bytes]:
+    """Beliefs and the network's likelihoods along a drive whose driver rests the stick on the way, learned from such
+    drives with a search as short as it can be: the preset sets none of its numbers."""
+    network = dataclasses.replace(config.network, epochs=2)
+    quick = dataclasses.replace(config, network=network, search_samples=40, searches=1, generations=2, subset=40)
+    model = learn_goals([pausing(log) for log in drives(1)], GOALS, quick)
+    samples = drive_samples(pausing(drive_to(0, 77)))
+    yield model.network.predict(samples.pose, samples.joystick).tobytes()
+    running = GoalFilter(model)
+    for k in range(0, len(samples), 5):
+        belief = running.update(samples.pose[k], samples.twist[k], samples.joystick[k])
+        yield belief.mean.tobytes() + belief.covariance.tobytes()
+
+
+def pausing(log: Any) -> Any:
+    """The drive with the stick let go for a second at its beginning."""
+    stick = log.joystick.copy()
+    stick[5:15] = 0.01
+    return dataclasses.replace(log, joystick=stick)
+
+
 def prediction_outcome(
     config: PathPredictionConfig, model: DriveAssistantModel, seen: list[Observation], mounting: Pose2
 ) -> Iterator[bytes]:
@@ -261,6 +287,8 @@ def outcome(
             return learning_outcome(config, [log, restless], seen)
         if kind == "heatmap_learning":
             return joystick_outcome(config, log)
+        if kind == "goal_learning":
+            return goal_outcome(config)
         if kind == "prediction":
             return prediction_outcome(config, model, seen, log.T_base_laser)
         return assistant_outcome(config, model, HeatmapModel.load(heatmap_model))

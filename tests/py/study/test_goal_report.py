@@ -1,0 +1,203 @@
+"""A small study of Ch. 2 from recorded drives, and its report: tables, aims, pictures."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from lfdcore.datasets import Goals
+from lfdcore.study.goal_drives import RUNS_EACH, GoalDrives
+from lfdcore.study.goal_evaluation import BASELINES, agreement, drives_of
+from lfdcore.study.goal_report import (
+    accuracy_table,
+    aims,
+    consistency_table,
+    goal_headline,
+    goal_pictures,
+    goal_tables,
+    noise_table,
+    pose_table,
+    time_table,
+    write_goal_report,
+)
+from lfdcore.study.goal_study import NOISE, POSE_ERRORS, TRIALS, GoalResult, GoalStudy, judge_goal_drives
+from lfdcore.training.goal_models import GoalLearningConfig
+from lfdcore.training.goal_net import GoalNetConfig
+
+SMALL = GoalLearningConfig(
+    network=GoalNetConfig(epochs=3), search_samples=60, searches=1, generations=3, subset=60, candidates=20
+)
+NEAR = ("G2", "G3", "G6")
+
+
+def some_of(drives: GoalDrives, first_run: int) -> GoalDrives:
+    """Drives to the three destinations with the shortest ways, from a run on."""
+    goals = Goals(tuple(g for g in drives.world.goals.goals if g.name in NEAR))
+    world = dataclasses.replace(drives.world, goals=goals)
+    kept = [k for k, name in enumerate(drives.destinations) if name in NEAR and drives.runs[k] >= first_run]
+    paths, traces, names, runs = (
+        tuple(values[k] for k in kept) for values in (drives.paths, drives.traces, drives.destinations, drives.runs)
+    )
+    return GoalDrives(world, paths, traces, names, runs)
+
+
+@pytest.fixture(scope="module")
+def result(goal_drives: GoalDrives, tmp_path_factory: pytest.TempPathFactory) -> GoalResult:
+    """Two drives to each of three destinations teach, the third is held out; the same drives with noise."""
+    drives = some_of(goal_drives, RUNS_EACH - 3)
+    study = GoalStudy(folder=tmp_path_factory.mktemp("goals"), world=drives.world, learning=SMALL, full=True, seed=1)
+    return judge_goal_drives(study, drives, some_of(goal_drives, 0))
+
+
+def test_what_teaches_is_not_what_is_judged(result: GoalResult) -> None:
+    taught, judged = set(result.drives.training), set(result.drives.held_out)
+    assert len(taught) == 6
+    assert len(judged) == 3
+    assert not taught & judged
+    assert len(drives_of(result.held_out)) == 3
+    assert set(result.held_out.goal) == {0, 1, 2}
+
+
+def test_every_filter_and_baseline_is_judged_on_all_held_out_samples(result: GoalResult) -> None:
+    filters = {"sparse", "sparse, no process noise", "full", "full, no process noise"}
+    assert set(result.tracks) == filters
+    methods = {f"Gaussian process, {name}" for name in filters} | {"network", *BASELINES}
+    assert {one.method for one in result.accuracies} == methods
+    assert {one.samples for one in result.accuracies} == {len(result.held_out)}
+
+
+def test_the_accuracy_table_has_the_shares_of_the_result(result: GoalResult) -> None:
+    table = accuracy_table(result)
+    assert f"n = {len(result.held_out)} samples of 3 drives, seed 1" in table.title
+    for row, one in zip(table.rows, result.accuracies, strict=True):
+        assert row[0] == one.method
+        assert row[1] == f"{100 * one.share:.0f} %\n[{100 * one.low:.0f}, {100 * one.high:.0f}]"
+    sparse = next(one for one in result.accuracies if one.method == "Gaussian process, sparse")
+    assert sparse.share == (result.tracks["sparse"].nearest == result.held_out.goal).mean()
+
+
+def test_table_2_1_has_the_same_driver_in_a_column_and_a_row_a_destination_and_noise(result: GoalResult) -> None:
+    table = noise_table(result)
+    assert len(table.rows) == 3 * len(NOISE)
+    assert f"n = {len(result.trials)} drives" in table.title
+    assert len(result.trials) == 3 * len(NOISE) * TRIALS
+    for goal in range(3):
+        for noise in NOISE:
+            drivers = [t.driver for t in result.trials if (t.goal, t.noise) == (goal, noise)]
+            assert drivers == list(range(TRIALS))
+
+
+def test_a_run_to_another_destination_is_another_driver_s(goal_drives: GoalDrives) -> None:
+    for driver in range(RUNS_EACH):
+        mine = [name for name, one in zip(goal_drives.destinations, goal_drives.drivers, strict=True) if one == driver]
+        assert sorted(mine) == sorted(goal_drives.world.goals.names)
+
+
+def test_more_noise_on_the_stick_does_not_change_how_long_a_drive_took(result: GoalResult) -> None:
+    for goal in range(3):
+        for driver in range(TRIALS):
+            mine = {t.duration for t in result.trials if (t.goal, t.driver) == (goal, driver)}
+            assert len(mine) == 1
+
+
+def test_the_consistency_table_has_the_nees_of_every_filter(result: GoalResult) -> None:
+    rows = {row[0]: row for row in consistency_table(result).rows}
+    for name, track in result.tracks.items():
+        errors = track.normalised_errors(result.truth)
+        assert rows[name][1].startswith(f"{errors.mean() / 2:.2f}\n")
+        assert rows[name][3].count(",") == 2  # a mean for each of three drives
+
+
+def test_poses_that_are_off_and_those_matched_to_the_map_have_a_row_each(result: GoalResult) -> None:
+    table = pose_table(result)
+    assert [row[0] for row in table.rows] == [
+        "0 m",
+        "0.1 m",
+        "0.3 m",
+        "1 m",
+        "5 degrees",
+        "20 degrees",
+        "by the scan matcher",
+    ]
+    assert len(table.rows) == len(POSE_ERRORS) + 1
+    sparse = next(one for one in result.accuracies if one.method == "Gaussian process, sparse")
+    assert result.pose_errors[0].accuracy.share == sparse.share  # no error, no difference
+
+
+def test_the_scan_matcher_knows_where_the_chair_is_to_a_few_centimetres(result: GoalResult) -> None:
+    position, heading = result.matcher_errors.T
+    assert position.mean() < 0.05
+    assert np.degrees(heading.mean()) < 1
+
+
+def test_the_time_table_gives_a_ratio_and_counts_what_it_is_of(result: GoalResult) -> None:
+    (row,) = time_table(result).rows
+    assert row[0] == f"N = {len(result.model.samples)} / 60"
+    assert row[1] == f"{result.update_seconds['full'] / result.update_seconds['sparse']:.0f}"
+
+
+def test_aims_are_figures_of_the_result_and_say_what_was_missed(result: GoalResult) -> None:
+    by = {one.method: one.share for one in result.accuracies}
+    found = {aim.label: aim for aim in aims(result)}
+    full, sparse = by["Gaussian process, full"], by["Gaussian process, sparse"]
+    best = max(by[name] for name in BASELINES)
+    assert found["accuracy, full"].found == full
+    assert found["accuracy, full"].reached == (full >= 0.65)
+    assert found["... above the best baseline"].found == full - best
+    assert found["accuracy, sparse, above the best baseline"].found == sparse - best
+    _, kappa = agreement(result.tracks["full"].nearest, result.tracks["sparse"].nearest, 3)
+    assert found["agreement full, sparse (kappa)"].found == kappa
+    nees = result.tracks["sparse"].normalised_errors(result.truth).mean() / 2
+    aim = found["NEES / 2, sparse, with process noise"]
+    assert aim.found == nees
+    assert aim.reached == (0.5 <= nees <= 2)
+
+
+def without_full(result: GoalResult) -> GoalResult:
+    return dataclasses.replace(
+        result,
+        tracks={name: track for name, track in result.tracks.items() if "full" not in name},
+        accuracies=tuple(one for one in result.accuracies if "full" not in one.method),
+        update_seconds={"sparse": result.update_seconds["sparse"]},
+    )
+
+
+def test_a_study_of_the_subset_alone_says_nothing_of_all_data(result: GoalResult) -> None:
+    sparse = without_full(result)
+    assert not any("full" in aim.label for aim in aims(sparse))
+    assert time_table(sparse).rows[0][1] == "-"
+    assert "full" not in goal_headline(sparse)
+    assert all("all data" not in picture.caption for picture in goal_pictures(sparse))
+
+
+def test_a_network_that_is_never_sure_is_told_as_such(result: GoalResult) -> None:
+    never = tuple(dataclasses.replace(trial, sure_after=float("nan")) for trial in result.trials)
+    unsure = dataclasses.replace(result, trials=never)
+    table = noise_table(unsure)
+    assert set(table.rows[0][2:]) == {"never", "-"}
+    assert "nan" not in table.as_text()
+    aim = next(one for one in aims(unsure) if one.label.startswith("90 % sure"))
+    assert not aim.reached
+    assert all("nan" not in made.as_text() for made in goal_tables(unsure))
+
+
+def test_the_headline_names_shares_n_and_seed(result: GoalResult) -> None:
+    said = goal_headline(result)
+    best = max((one for one in result.accuracies if one.method in BASELINES), key=lambda one: one.share)
+    assert f"best baseline ({best.method}) {100 * best.share:.0f} %" in said
+    assert f"n = {len(result.held_out)} samples of 3 held-out drives, 3 destinations" in said
+    assert said.endswith("seed 1.")
+
+
+def test_the_report_holds_five_pictures_all_tables_and_its_command(result: GoalResult, tmp_path) -> None:
+    assert len(goal_pictures(result)) == 5
+    path = write_goal_report(result, tmp_path, "lfdcore study goals -o out")
+    text = path.read_text()
+    assert text.count("<img") + text.count("<svg") >= 5
+    assert text.count("<table") == len(goal_tables(result)) == 7
+    assert "lfdcore study goals -o out" in text
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    shares = {row["method"]: row["accuracy"] for row in figures if "method" in row}
+    assert shares == {one.method: one.share for one in result.accuracies}
+    assert {row["figure"] for row in figures if "figure" in row} == {aim.label for aim in aims(result)}
