@@ -195,7 +195,7 @@ def test_the_report_holds_five_pictures_all_tables_and_its_command(result: GoalR
     path = write_goal_report(result, tmp_path, "lfdcore study goals -o out")
     text = path.read_text()
     assert text.count("<img") + text.count("<svg") >= 5
-    assert text.count("<table") == len(goal_tables(result)) == 6
+    assert text.count("<table") == len(goal_tables(result)) == 7
     assert "lfdcore study goals -o out" in text
     figures = json.loads((tmp_path / "figures.json").read_text())
     shares = {row["method"]: row["accuracy"] for row in figures if "method" in row}

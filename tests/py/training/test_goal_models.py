@@ -17,8 +17,8 @@ from lfdcore.training.goal_models import (
     action_inputs,
     data_hash,
     fit_action_kernels,
-    full_log_likelihood,
     learn_goals,
+    log_likelihood,
     moving,
 )
 from lfdcore.training.goal_net import GoalNetConfig
@@ -101,7 +101,8 @@ def test_of_several_searches_the_likelier_one_is_kept() -> None:
         config = dataclasses.replace(QUICK, searches=searches)
         kernels = fit_action_kernels(samples, GOALS, config)
         drawn = np.sort(np.random.default_rng(1).permutation(len(samples))[:40])
-        best.append([full_log_likelihood(samples.where(drawn), GOALS, config, a, kernels[a]) for a in (0, 1)])
+        inputs, sticks = action_inputs(samples.where(drawn), GOALS, config)
+        best.append([log_likelihood(inputs, sticks[:, a], kernels[a]) for a in (0, 1)])
     assert (np.array(best[1]) >= np.array(best[0]) - 1e-6).all()
 
 
@@ -114,7 +115,7 @@ def test_the_full_likelihood_is_that_of_a_gaussian_with_the_kernel_s_covariance(
     K += kernel.noise**2 * np.eye(len(inputs))
     y = sticks[:, 0]
     expected = -(y @ np.linalg.solve(K, y) + np.linalg.slogdet(K)[1] + len(y) * np.log(2 * np.pi)) / 2
-    assert full_log_likelihood(samples, GOALS, QUICK, 0, kernel) == pytest.approx(expected, rel=1e-9)
+    assert log_likelihood(inputs, y, kernel) == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_preset_thesis_learns_and_keeps_every_sample() -> None:
