@@ -1,10 +1,11 @@
 """Belief updates over a goal (2.2-2.3): lfdcore against torch, on the same equations and samples.
 
-The rival is lfdcore.training.torch_action_model on one thread, as a user would write it: batched float64, no loop over
-samples, but none of what is gained where samples share a goal. N = 800 is a subset as training set, N = 9153 the full
-model, whose matrices torch makes and drops in turn (some 2.5 GB). `far` leaves the samples in their 72 x 72 m, so that
-most are far from any one state; `near` has length-scales so long that every sample counts and all of D is read. One
-process, interleaved, medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
+The rival is lfdcore.training.torch_action_model on one thread: batched float64, no loop over samples, the equations as
+printed, which sum over pairs of samples. Beside it stands the same with the sums over pairs of goals that lfdcore has,
+for those who found them. N = 800 is a subset as training set, N = 9153 the full model, whose matrices torch makes and
+drops in turn (some 5 GB). `far` leaves the samples in their 72 x 72 m, so that most are far from any one state; `near`
+has length-scales so long that every sample counts and all of D is read. One process, interleaved, medians of its CPU
+time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
 """
 
 import os
@@ -65,22 +66,27 @@ def compare(name: str, count: int, scale: float, rounds: int) -> None:
     built = time.process_time() - begin
     mean, covariance = GOALS.mean(0), np.cov(GOALS.T)
     ours = IntentionFilter(model, mean, covariance)
-    rival = TorchIntentionFilter(TorchActionModel(*samples, kernels(scale), device="cpu"), mean, covariance)
-    took: list[tuple[float, float]] = []
+    rivals = []
+    for share in (False, True):
+        plain = TorchActionModel(*samples, kernels(scale), device="cpu", share_goals=share)
+        rivals.append(TorchIntentionFilter(plain, mean, covariance))
+    took: list[list[float]] = []
     for i in np.linspace(0, 9152, rounds).astype(int):
         state, stick = states[i], sticks[i]
-        theirs, belief = rival.update(state, stick), ours.update(state, stick)
-        assert np.allclose(belief.mean, theirs.mean, rtol=0, atol=1e-8)
-        assert np.allclose(belief.covariance, theirs.covariance, rtol=0, atol=1e-8 * np.trace(covariance))
-        ours.reset()
-        rival.reset()
-        mine = seconds(lambda state=state, stick=stick: ours.update(state, stick))
-        took.append((mine, seconds(lambda state=state, stick=stick: rival.update(state, stick))))
-        ours.reset()
-        rival.reset()
-    mine, torchs = np.median(took, axis=0)
+        took.append([])
+        beliefs = []
+        for one in (ours, *rivals):
+            beliefs.append(one.update(state, stick))
+            one.reset()
+            took[-1].append(seconds(lambda one=one, state=state, stick=stick: one.update(state, stick)))
+            one.reset()
+        for theirs in beliefs[1:]:
+            assert np.allclose(beliefs[0].mean, theirs.mean, rtol=0, atol=1e-8)
+            assert np.allclose(beliefs[0].covariance, theirs.covariance, rtol=0, atol=1e-8 * np.trace(covariance))
+    mine, torchs, shared = np.median(took, axis=0)
     print(
-        f"N = {count}, {name}: lfdcore {mine * 1e3:.3f} ms, torch {torchs * 1e3:.1f} ms, ratio {torchs / mine:.1f} "
+        f"N = {count}, {name}: lfdcore {mine * 1e3:.3f} ms, torch {torchs * 1e3:.1f} ms, ratio {torchs / mine:.1f}; "
+        f"torch over pairs of goals {shared * 1e3:.1f} ms, ratio {shared / mine:.1f} "
         f"(built in {built:.1f} s, holds {model.nbytes / 1e6:.0f} MB)"
     )
 
@@ -91,6 +97,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[800, 9153])
     arguments = parser.parse_args()
     torch.set_num_threads(1)
+    torch.set_flush_denormal(True)  # as lfdcore does: similarities far away are subnormal
     for count in arguments.sizes:
         for name, scale in (("far", 1.0), ("near", 5.0)):
             compare(name, count, scale, arguments.rounds if count > 2000 else 5 * arguments.rounds)

@@ -1,9 +1,8 @@
 """The action model over all samples (Sec. 2.3) in torch, for those who have a GPU: the numbers of the C++ ActionModel.
 
-Plain batched float64: no loop over samples, Q_ab by outer sums of precomputed terms, in place, the symmetric half of
-the pairs (a, b) only. It sums over pairs of samples and makes no use of goals that samples share, as C++ does, so on a
-CPU it is many times slower (benchmarks/bench_action_model.py, whose rival it is) and takes 8 N^2 bytes an action and
-some 8 N^2 more at work.
+Batched float64, no loop over samples. Like C++ it sums over pairs of goals where samples share them (docs/theory.md);
+else, or if told so, over pairs of samples, as the equations are printed, with Q_ab by outer sums of precomputed terms.
+D is kept whole: 8 N^2 bytes an action. On a CPU both are slower than C++ (benchmarks/bench_action_model.py).
 """
 
 from __future__ import annotations
@@ -42,10 +41,13 @@ class TorchActionModel:
         actions: ArrayLike,
         kernels: Sequence[ActionKernel],
         device: str = "cuda",
+        *,
+        share_goals: bool = True,
     ) -> None:
-        """States (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action; device as torch names it.
-        ValueError where torch finds no such device, for data that do not fit or are not finite, and a covariance that
-        is not positive definite."""
+        """States (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action; device as torch names it;
+        share_goals: sum over pairs of goals where they are few (8 N >= L^2), else over pairs of samples. ValueError
+        where torch finds no such device, for data that do not fit or are not finite, and a covariance that is not
+        positive definite."""
         self.device = _device(device)
         self.kernels = tuple(kernels)
         x, g, y = (np.array(part, float) for part in (states, goals, actions))
@@ -58,6 +60,10 @@ class TorchActionModel:
             inverse, beta = self._conditioned(a, kernel, self._tensor(y[:, [a]]))
             self._inverse.append(inverse)
             self._beta.append(beta)
+        places, numbers = np.unique(g, axis=0, return_inverse=True)
+        self._number = None
+        if share_goals and len(places) ** 2 <= 8 * len(g):
+            self._goals, self._number = self._tensor(places), torch.from_numpy(numbers.reshape(-1, 1)).to(self.device)
 
     def __len__(self) -> int:
         return len(self._states)
@@ -86,7 +92,10 @@ class TorchActionModel:
         x, mu, sigma = map(self._tensor, given)
         u = self._goals - mu
         near = [torch.exp(-0.5 * ((self._states - x) / scale).square().sum(1)) for scale in self._scales]
-        pulled = [k * beta for k, beta in zip(near, self._beta, strict=True)]
+        if self._number is not None:  # (N, L): a sample's similarity in its goal's column
+            empty = near[0].new_zeros(len(self), len(u))
+            near = [empty.scatter(1, self._number, k[:, None]) for k in near]
+        pulled = [k.T @ beta if k.ndim == 2 else k * beta for k, beta in zip(near, self._beta, strict=True)]
         count = len(self.kernels)
         firsts = [self._first(a, u, sigma, pulled[a]) for a in range(count)]
         m, C = (torch.stack(part).cpu().numpy() for part in zip(*firsts, strict=True))
@@ -108,7 +117,8 @@ class TorchActionModel:
         del K
         if int(failed):
             raise ValueError("the covariance of the samples is not positive definite: raise a kernel's noise")
-        return torch.cholesky_inverse(factor), torch.cholesky_solve(y, factor)[:, 0]
+        inverse = torch.cholesky_inverse(factor).T  # symmetric; its rows lie together now, as those of Q do
+        return inverse, torch.cholesky_solve(y, factor)[:, 0]
 
     def _first(
         self, a: int, u: torch.Tensor, sigma: torch.Tensor, pulled: torch.Tensor
@@ -147,8 +157,9 @@ class TorchActionModel:
         weighted = scale * torch.dot(first, Q @ second)
         if a != b:
             return float(weighted)
-        trace = scale * torch.dot(near, Q.mul_(self._inverse[a]) @ near)
-        return float(weighted - trace) + one.amplitude**2 + one.noise**2
+        D = self._inverse[a]
+        traced = torch.sum(Q * (near.T @ (D @ near))) if near.ndim == 2 else torch.dot(near, Q.mul_(D) @ near)
+        return float(weighted - scale * traced) + one.amplitude**2 + one.noise**2
 
 
 class TorchIntentionFilter:

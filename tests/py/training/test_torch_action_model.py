@@ -52,11 +52,21 @@ def beliefs(running: GoalFilter, drive: int) -> list[tuple[Floats, Floats, Float
 
 
 @pytest.mark.parametrize("device", DEVICES)
-def test_moments_in_torch_are_those_of_cpp_at_and_far_from_the_samples(device: str) -> None:
-    samples = goal_model().action_samples()
-    assert len(samples[0]) == 300
-    ours, theirs = ActionModel(*samples, list(KERNELS)), TorchActionModel(*samples, KERNELS, device)
+@pytest.mark.parametrize("share_goals", [True, False])
+@pytest.mark.parametrize("shaken", [0.0, 0.3])
+def test_moments_in_torch_are_those_of_cpp_at_and_far_from_the_samples(
+    device: str, share_goals: bool, shaken: float
+) -> None:
+    """Shaken, no two samples have the same goal."""
     random = np.random.default_rng(1)
+    states, goals, sticks = goal_model().action_samples()
+    samples = (states, goals + shaken * random.normal(size=goals.shape), sticks)
+    assert len(states) == 300
+    ours, theirs = (
+        ActionModel(*samples, list(KERNELS)),
+        TorchActionModel(*samples, KERNELS, device, share_goals=share_goals),
+    )
+    assert ours.shared_goals == (0 if shaken else 3)
     for spread in (0.0, 0.1, 3.0):
         root = random.normal(0, spread, (2, 2))
         state, mean = samples[0][random.integers(300)] + random.normal(0, 0.3, 6), random.uniform(-3, 9, 2)
