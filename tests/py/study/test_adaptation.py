@@ -43,8 +43,7 @@ def test_while_adapting_the_error_of_a_biased_driver_falls_and_that_of_an_unbias
     runs: tuple[AdaptationRun, ...],
 ) -> None:
     unbiased, biased = runs
-    assert biased.mean("then") < 0.9 * biased.mean("before")
-    assert biased.mean("adapting") < biased.mean("before")
+    assert biased.mean("adapting") < 0.9 * biased.mean("before")  # after 60 s this weak network may know nothing yet
     assert (
         unbiased.mean("adapting") < unbiased.mean("before") + 0.05
     )  # of one drive; over drivers the study's table tells
