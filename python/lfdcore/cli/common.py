@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
+    from matplotlib.figure import Figure
+    from rich.progress import Progress, TaskID
 
     from lfdcore.datasets.drive_log import DriveLog
 
@@ -80,6 +82,29 @@ def progress_bar() -> Iterator[Progress]:
         yield bar
 
 
+PICTURES = (".png", ".pdf", ".svg")
+"""What a picture may end in."""
+
+
+def require_drawable(option: str, path: Path | None, allowed: tuple[str, ...] = PICTURES) -> None:
+    """Before the work: a picture that is asked for has a suffix we can draw, and a folder."""
+    if path is not None and path.suffix.lower() not in allowed:
+        raise typer.BadParameter(f"{option} {path} must end in {', '.join(allowed)}")
+    if path is not None and not path.parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent} to draw to")
+
+
+def save_picture(figure: Figure, path: Path) -> None:
+    """Writes a figure, as PNG the same bytes for the same figure, and says where."""
+    from lfdcore.study.plots import png
+
+    if path.suffix.lower() == ".png":
+        path.write_bytes(png(figure, dpi=150))
+    else:
+        figure.savefig(path, bbox_inches="tight")
+    typer.echo(f"picture: {path}", err=True)
+
+
 def require_each_once(files: list[Path]) -> None:
     """A log taken twice would make its figures look surer than they are. Files under two names are found too."""
     taken: dict[Path, Path] = {}
@@ -97,16 +122,25 @@ def open_with_joystick(path: Path) -> DriveLog:
 
 
 class Stages:
-    """A bar for every stage of a work, told of as (stage, done, total)."""
+    """A bar for every stage of a work, made when it is first told of as (stage, done, total)."""
 
     def __init__(self, bar: Progress) -> None:
         self._bar = bar
-        self._tasks: dict[str, Any] = {}
+        self._tasks: dict[str, TaskID] = {}
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         if stage not in self._tasks:
-            self._tasks[stage] = self._bar.add_task(stage, total=total)
+            self._tasks[stage] = self._bar.add_task(stage, total=None)
         self._bar.update(self._tasks[stage], completed=done, total=total)
+
+    def step(self, title: str) -> Callable[[int, int], None]:
+        """One stage's bar, shown at once, told of as (done, total)."""
+        self._tasks[title] = self._bar.add_task(title, total=None)
+        return partial(self, title)
+
+    def under(self, title: str) -> Callable[[str, int, int], None]:
+        """As this, each stage named after `title`."""
+        return lambda stage, done, total: self(f"{title}: {stage}", done, total)
 
 
 def require_writable(output: Path, inputs: list[Path]) -> None:

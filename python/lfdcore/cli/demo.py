@@ -12,7 +12,7 @@ import typer
 from lfdcore.cli.common import SeedOption
 
 if TYPE_CHECKING:
-    from lfdcore.cli.study import Step
+    from lfdcore.cli.common import Stages
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.study.driving import StudyModels
     from lfdcore.study.report import Section
@@ -41,14 +41,13 @@ def demo(
     drive_and_report(plan, partial(_sections, output, seed), command).print_tables()
 
 
-def _sections(output: Path, seed: int, study: StudyModels, step: Step) -> list[Section]:
+def _sections(output: Path, seed: int, study: StudyModels, tell: Stages) -> list[Section]:
     """Heatmaps a posteriori (Sec. 4.6.2), and a prediction along a real log."""
-    return [*_a_posteriori(output, seed, study, step), *_real_section(study)]
+    return [*_a_posteriori(output, seed, study, tell), *_real_section(study)]
 
 
-def _a_posteriori(output: Path, seed: int, study: StudyModels, step: Step) -> list[Section]:
+def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> list[Section]:
     """Table 4.2 and the stages of heatmaps: every method learns from the same drives through the mazes."""
-    from lfdcore.cli.study import stages
     from lfdcore.datasets import open_log
     from lfdcore.study.heatmap_comparison import ModelFiles, learn_rivals
     from lfdcore.study.heatmap_report import a_posteriori_sections
@@ -56,9 +55,9 @@ def _a_posteriori(output: Path, seed: int, study: StudyModels, step: Step) -> li
     if study.heatmaps is None:
         return []
     mazes = sorted(output.glob("maze-*.mcap"))
-    tell = stages(step, "a posteriori")
-    primitives, naive = learn_rivals(output, [open_log(path) for path in mazes], tell)
-    return a_posteriori_sections(output, ModelFiles(primitives, naive, study.heatmaps), mazes, seed, tell)
+    told = tell.under("a posteriori")
+    primitives, naive = learn_rivals(output, [open_log(path) for path in mazes], told)
+    return a_posteriori_sections(output, ModelFiles(primitives, naive, study.heatmaps), mazes, seed, told)
 
 
 def _real_section(study: StudyModels) -> list[Section]:

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, print_json, progress_bar, require_each_once
+from lfdcore.cli.common import (
+    JsonOption,
+    Preset,
+    PresetOption,
+    SeedOption,
+    Stages,
+    print_json,
+    progress_bar,
+    require_drawable,
+    require_each_once,
+    save_picture,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from matplotlib.figure import Figure
-    from rich.progress import Progress, TaskID
 
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.geometry import Footprint
@@ -76,55 +83,67 @@ def predict(
 ) -> None:
     """Predict paths along recorded drives and compare them with what was driven: path error beside two baselines."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import StickMeaning, as_text, pooled_rows, pooled_text, predict_log
-    from lfdcore.study.prediction import as_json as in_json
+    from lfdcore.study.prediction import StickMeaning, predict_log
 
     if not begin < end:
         raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
-    _require_picture("--picture", picture)
-    _require_picture("--concatenated", concatenated)
+    require_drawable("--picture", picture)
+    require_drawable("--concatenated", concatenated)
     outline, config = _footprint(footprint), _config(rule, preset)
     model_files, log_files = _told_apart(files)
     models = _load(model_files)
     _require_of_primitives(rule, preset, models)
     compared = None if concatenated is None else _of_each_kind(models)
     logs = [open_log(path).share(begin, end) for path in log_files]
-    predictions, comparison = [], None
+    meaning = StickMeaning(stick)
     with progress_bar() as bar:
-        for log in logs:
-            update = partial(_update, bar, bar.add_task(log.name, total=None))
-            predictions.append(predict_log(log, models, config, StickMeaning(stick), update))
-        if compared is not None:
-            comparison = _compare(logs, compared, StickMeaning(stick), partial(_update, bar, bar.add_task("compare")))
+        tell = Stages(bar)
+        predictions = [predict_log(log, models, config, meaning, tell.step(log.name)) for log in logs]
+        comparison = None if compared is None else _compare(logs, compared, meaning, tell.step("compare"))
     if comparison is not None and concatenated is not None:
-        from lfdcore.study.comparison_plots import concatenated_figure, median_runs
-
-        _save(concatenated_figure(median_runs(comparison.runs)), concatenated)
+        _draw_concatenated(comparison, concatenated)
     if picture is not None:
         _draw(predictions, outline, picture)
     if as_json:
-        together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
-        logs_json = [in_json(p, seed) for p in predictions]
-        found = {"from": begin, "to": end, "seed": seed, "logs": logs_json, "together": together}
-        print_json(found | ({} if comparison is None else {"comparison": _figures(comparison)}))
+        _print_json(predictions, comparison, begin, end, seed)
     else:
-        typer.echo(
-            f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n"
-        )
-        for prediction in predictions:
-            typer.echo(as_text(prediction, seed))
-        if sum(not prediction.outcome for prediction in predictions) > 1:
-            typer.echo(pooled_text(predictions, seed))
-        if comparison is not None:
-            from lfdcore.study.heatmap_report import comparison_table
-
-            typer.echo(comparison_table(comparison, None).as_text())
+        _print(predictions, comparison, begin, end, seed)
     if all(prediction.outcome for prediction in predictions):
         raise typer.Exit(1)
 
 
-def _update(bar: Progress, task: TaskID, done: int, total: int) -> None:
-    bar.update(task, completed=done, total=max(total, 1))
+def _print_json(
+    predictions: list[LogPrediction], comparison: Comparison | None, begin: float, end: float, seed: int
+) -> None:
+    from lfdcore.study.prediction import as_json, pooled_rows
+
+    together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
+    logs = [as_json(prediction, seed) for prediction in predictions]
+    found = {"from": begin, "to": end, "seed": seed, "logs": logs, "together": together}
+    print_json(found | ({} if comparison is None else {"comparison": _figures(comparison)}))
+
+
+def _print(
+    predictions: list[LogPrediction], comparison: Comparison | None, begin: float, end: float, seed: int
+) -> None:
+    """A table a log, one of all logs where several have samples, and Table 4.2 where it was asked for."""
+    from lfdcore.study.prediction import as_text, pooled_text
+
+    typer.echo(f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n")
+    for prediction in predictions:
+        typer.echo(as_text(prediction, seed))
+    if sum(not prediction.outcome for prediction in predictions) > 1:
+        typer.echo(pooled_text(predictions, seed))
+    if comparison is not None:
+        from lfdcore.study.heatmap_report import comparison_table
+
+        typer.echo(comparison_table(comparison, None).as_text())
+
+
+def _draw_concatenated(comparison: Comparison, picture: Path) -> None:
+    from lfdcore.study.comparison_plots import concatenated_figure, median_runs
+
+    save_picture(concatenated_figure(median_runs(comparison.runs)), picture)
 
 
 def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
@@ -145,11 +164,6 @@ def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, 
     others = [name for name, model in models.items() if not isinstance(model, DriveAssistantModel)]
     if asked and others:
         raise typer.BadParameter(f"{option} is of path primitives, and {', '.join(others)} holds none")
-
-
-def _require_picture(option: str, picture: Path | None) -> None:
-    if picture is not None and picture.suffix.lower() not in {".png", ".pdf", ".svg"}:
-        raise typer.BadParameter(f"{option} {picture} must end in .png, .pdf or .svg")
 
 
 def _of_each_kind(models: dict[str, Model]) -> ComparedModels:
@@ -237,14 +251,4 @@ def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -
     if all(prediction.outcome for prediction in predictions):
         typer.echo(f"{picture} is not drawn: no log has a sample", err=True)
         return
-    _save(prediction_figure(predictions, outline), picture)
-
-
-def _save(figure: Figure, picture: Path) -> None:
-    from lfdcore.study.plots import png
-
-    if picture.suffix.lower() == ".png":
-        picture.write_bytes(png(figure, dpi=150))
-    else:
-        figure.savefig(picture, bbox_inches="tight")
-    typer.echo(f"picture: {picture}", err=True)
+    save_picture(prediction_figure(predictions, outline), picture)

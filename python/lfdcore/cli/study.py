@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
 from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_goals import study_goals
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from lfdcore.study.driving_tasks import TaskResult
     from lfdcore.study.report import Section
 
-Step = Callable[[str], Callable[[int, int], None]]
-"""From a title to a progress bar's (done, total)."""
-More = Callable[["StudyModels", Step], "Sequence[Section]"]
+More = Callable[["StudyModels", Stages], "Sequence[Section]"]
 
 app = typer.Typer(help="Run a study: tables, pictures, one report.html.", no_args_is_help=True)
 
@@ -71,10 +69,10 @@ class DrivingOutcome:
         typer.echo(f"report: {self.report}")
 
 
-def drive_and_report(plan: DrivingPlan, more: More = lambda models, step: (), command: str = "") -> DrivingOutcome:
+def drive_and_report(plan: DrivingPlan, more: More = lambda models, tell: (), command: str = "") -> DrivingOutcome:
     """Learns what the arms need and was not given, drives courses and tasks, writes the report.
 
-    `more` makes sections of the models, telling a step(title) how far it is; `command` is named in the report as what
+    `more` makes sections of the models, telling how far it is; `command` is named in the report as what
     made it, else the plan's own.
     """
     from lfdcore.study.courses import course_by_name
@@ -89,20 +87,16 @@ def drive_and_report(plan: DrivingPlan, more: More = lambda models, step: (), co
     require_once("course", [course.name for course in courses])
     plan.output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
-
-        def step(title: str) -> Callable[[int, int], None]:
-            task = bar.add_task(title, total=None)
-            return lambda done, total: bar.update(task, completed=done, total=total)
-
-        models = _learn_what_is_missing(plan, arms, given, step)
+        tell = Stages(bar)
+        models = _learn_what_is_missing(plan, arms, given, tell)
         study = DrivingStudy(courses=courses, models=models, arms=arms, drivers=plan.drivers, seed=plan.seed)
-        result = run_driving_study(study, step("drive courses never seen"), plan.processes)
+        result = run_driving_study(study, tell.step("drive courses never seen"), plan.processes)
         tasks = None
         if plan.starts:
             task_study = TaskStudy(models=models, arms=arms, starts=plan.starts, seed=plan.seed)
-            tasks = run_task_study(task_study, step("tasks: docking, narrow gap"), plan.processes)
-        sections = more(models, step)
-        told = step("report")
+            tasks = run_task_study(task_study, tell.step("tasks: docking, narrow gap"), plan.processes)
+        sections = more(models, tell)
+        told = tell.step("report")
         told(0, 1)
         demonstrations = [] if given.primitives else sorted(plan.output.glob("demonstration-*.mcap"))
         report = write_driving_report(
@@ -117,19 +111,7 @@ def drive_and_report(plan: DrivingPlan, more: More = lambda models, step: (), co
     return DrivingOutcome(result, tasks, report)
 
 
-def stages(step: Step, title: str) -> Callable[[str, int, int], None]:
-    """A bar for every stage that is told of, as (stage, done, total)."""
-    bars: dict[str, Callable[[int, int], None]] = {}
-
-    def tell(stage: str, done: int, total: int) -> None:
-        if stage not in bars:
-            bars[stage] = step(f"{title}: {stage}")
-        bars[stage](done, total)
-
-    return tell
-
-
-def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyModels, step: Step) -> StudyModels:
+def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyModels, tell: Stages) -> StudyModels:
     """The models that the arms need, learned from demonstrations where none was given."""
     from lfdcore.study.demonstrations import learn_from_demonstrations
     from lfdcore.study.driving import METHODS, StudyModels
@@ -138,10 +120,10 @@ def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyM
     needed = {METHODS[arm] for arm in arms if arm in METHODS}
     primitives, heatmaps = given.primitives, given.heatmaps
     if primitives is None and "primitives" in needed:
-        primitives = learn_from_demonstrations(plan.output, plan.seed, progress=step("learn primitives"))
+        primitives = learn_from_demonstrations(plan.output, plan.seed, progress=tell.step("learn primitives"))
     if heatmaps is None and "heatmaps" in needed:
-        tell = stages(step, "heatmaps")
-        heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, tell, processes=plan.processes)
+        told = tell.under("heatmaps")
+        heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, told, processes=plan.processes)
     return StudyModels(primitives, heatmaps)
 
 

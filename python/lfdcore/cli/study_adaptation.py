@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
-from lfdcore.cli.study_heatmaps import ModelOption, bars, heatmaps_or_learned
+from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
+from lfdcore.cli.study_heatmaps import ModelOption, heatmaps_or_learned
 
 
 def study_adaptation(
@@ -36,7 +36,7 @@ def study_adaptation(
     driven = tuple(course_by_name(name, seed) for name in courses.split(","))
     require_once("course", [course.name for course in driven])
     with progress_bar() as bar:
-        tell = bars(bar)
+        tell = Stages(bar)
         learned = heatmaps_or_learned(model, output, seed, tell, processes)
         study = AdaptationStudy(courses=driven, model=learned, drivers=drivers, seed=seed)
         runs = run_adaptation_study(study, partial(tell, "drive"), processes)

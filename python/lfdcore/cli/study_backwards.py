@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
-from lfdcore.cli.study_heatmaps import ModelOption, bars, heatmaps_or_learned
+from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
+from lfdcore.cli.study_heatmaps import ModelOption, heatmaps_or_learned
 
 
 def study_backwards(
@@ -32,7 +32,7 @@ def study_backwards(
     require_arms(driven)
     output.mkdir(parents=True, exist_ok=True)
     with progress_bar() as bar:
-        tell = bars(bar)
+        tell = Stages(bar)
         needed = "two_way" in driven or model is not None
         learned = heatmaps_or_learned(model, output, seed, tell, processes) if needed else None
         study = BackwardsStudy(heatmaps=learned, arms=driven, drivers=drivers, seed=seed)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, SeedOption, print_json, progress_bar
+from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
 
 
 def study_learning_curve(
@@ -23,21 +23,12 @@ def study_learning_curve(
 
     Models stay in the folder: a second study there drives only.
     """
-    from rich.progress import TaskID
-
     from lfdcore.study.learning_curve import LearningCurveStudy, run_learning_curve
     from lfdcore.study.learning_curve_report import curve_table, write_learning_curve
 
     study = LearningCurveStudy(folder=output, runs=_numbers(runs), drivers=drivers, seed=seed)
-    bars: dict[str, TaskID] = {}
     with progress_bar() as bar:
-
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in bars:
-                bars[stage] = bar.add_task(stage, total=None)
-            bar.update(bars[stage], completed=done, total=total)
-
-        curve = run_learning_curve(study, tell, processes)
+        curve = run_learning_curve(study, Stages(bar), processes)
     words = ["lfdcore", "study", "learning-curve", "-o", "out", "--runs", runs, "--drivers", str(drivers)]
     report = write_learning_curve(curve, output, shlex.join([*words, "--seed", str(seed)]))
     if as_json:

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, print_json, progress_bar
+from lfdcore.cli.common import JsonOption, Stages, print_json, progress_bar, require_drawable, save_picture
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.estimation import ActionModel
     from lfdcore.geometry import Pose2
@@ -62,21 +60,17 @@ def track(
 
     if device is not None and not full:
         raise typer.BadParameter("--device is for the model of all samples: give --full too")
-    _require_drawable("--picture", picture, (".png", ".pdf", ".svg"))
-    _require_drawable("--animation", animation, (".gif",))
+    require_drawable("--picture", picture)
+    require_drawable("--animation", animation, (".gif",))
     model, log = GoalModel.load(model_file), open_log(log_file)
     grid = _map(model, map_file) if picture or animation or not len(log.map_stamp) else None
     with progress_bar() as bar:
-
-        def tell(stage: str) -> Callable[[int, int], None]:
-            task = bar.add_task(stage, total=None)
-            return lambda done, total: bar.update(task, completed=done, total=total)
-
+        tell = Stages(bar)
         samples = _samples(model, log, grid, start, tell)
-        told = tell("model")
+        told = tell.step("model")
         action_model = _action_model(model, full, device)
         told(1, 1)
-        beliefs = track_beliefs(model, samples, action_model, tell("belief"))
+        beliefs = track_beliefs(model, samples, action_model, tell.step("belief"))
         _draw(model, samples, beliefs, grid, picture, animation)
     if as_json:
         print_json({"goals": model.goals.names, "beliefs": _lines(samples, beliefs, every)})
@@ -92,26 +86,19 @@ def _action_model(model: GoalModel, full: bool, device: Device | None) -> Action
     return full_action_model(model, device.value)
 
 
-def _require_drawable(option: str, path: Path | None, allowed: tuple[str, ...]) -> None:
-    if path is not None and path.suffix.lower() not in allowed:
-        raise typer.BadParameter(f"{option} {path} must end in {', '.join(allowed)}")
-    if path is not None and not path.parent.is_dir():
-        raise ValueError(f"{path}: there is no folder {path.parent} to draw to")
-
-
 def _samples(
     model: GoalModel,
     log: DriveLog,
     grid: OccupancyGrid | None,
     start: str | None,
-    tell: Callable[[str], Callable[[int, int], None]],
+    tell: Stages,
 ) -> GoalSamples:
     """With the log's poses in the map or, where it has none, a scan matcher's."""
     from lfdcore.wheelchair.goal_samples import drive_samples
     from lfdcore.wheelchair.localisation import with_map_poses
 
     if grid is not None and not len(log.map_stamp):
-        log = with_map_poses(log, grid, _start(model, start), tell("localise"))
+        log = with_map_poses(log, grid, _start(model, start), tell.step("localise"))
     return drive_samples(log)
 
 
@@ -156,14 +143,9 @@ def _draw(
     if grid is None:
         return
     from lfdcore.study.belief_plots import drive_figure, save_belief_animation
-    from lfdcore.study.plots import png
 
     if picture is not None:
-        figure = drive_figure(grid, model.goals, (samples, beliefs))
-        if picture.suffix.lower() == ".png":
-            picture.write_bytes(png(figure, dpi=120))
-        else:
-            figure.savefig(picture, bbox_inches="tight")
+        save_picture(drive_figure(grid, model.goals, (samples, beliefs)), picture)
     if animation is not None:
         save_belief_animation(animation, grid, model.goals, (samples, beliefs))
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calling import run
 from PIL import Image
 
-from lfdcore.cli import main as command_line
 from lfdcore.datasets import Goal, Goals, open_log, write_goals, write_map
 from lfdcore.grid import OccupancyGrid
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
@@ -19,18 +19,6 @@ from lfdcore.wheelchair.global_goal import GoalModel
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, learned
-
-
-def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
-    """-> exit code, standard output, standard error"""
-    monkeypatch.setattr(sys, "argv", ["lfdcore", *map(str, words)])
-    monkeypatch.setenv("COLUMNS", "200")
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as end:
-        command_line.main()
-        raise SystemExit(0)
-    out, err = capsys.readouterr()
-    return int(end.value.code or 0), out, err
 
 
 def one_line(err: str) -> str:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calling import run
 
-from lfdcore.cli import main as command_line
 from lfdcore.cli.common import print_facts
 from lfdcore.datasets import DriveLog
 from lfdcore.study.driving import models_by_method
@@ -20,18 +20,6 @@ from lfdcore.wheelchair.tensor_file import write_tensor_file
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from heatmap_drives import corridor_log
 from synthetic_drive import corner_drive
-
-
-def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
-    """-> exit code, standard output, standard error"""
-    monkeypatch.setattr(sys, "argv", ["lfdcore", *map(str, words)])
-    monkeypatch.setenv("COLUMNS", "200")
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as end:
-        command_line.main()
-        raise SystemExit(0)
-    out, err = capsys.readouterr()
-    return int(end.value.code or 0), out, err
 
 
 @pytest.fixture(scope="module")

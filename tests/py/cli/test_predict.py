@@ -8,22 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calling import run
 
-from lfdcore.cli import main as command_line
 from lfdcore.datasets import DriveLog, open_log
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import corner_drive
-
-
-def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
-    """-> exit code, standard output, standard error"""
-    monkeypatch.setattr(sys, "argv", ["lfdcore", *map(str, words)])
-    with pytest.raises(SystemExit) as end:
-        command_line.main()
-        raise SystemExit(0)
-    out, err = capsys.readouterr()
-    return int(end.value.code or 0), out, err
 
 
 def corner(path: Path, offset: float, scale: float = 1.0) -> Path:

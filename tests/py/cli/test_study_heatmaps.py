@@ -1,25 +1,13 @@
 """lfdcore study adaptation and backwards, as a user calls them."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
+from calling import run
 
-from lfdcore.cli import main as command_line
+from lfdcore.cli.common import Stages, progress_bar
 from lfdcore.cli.study_heatmaps import heatmaps_or_learned
-
-
-def run(monkeypatch, capsys, *words) -> tuple[int, str, str]:
-    """-> exit code, standard output, standard error"""
-    monkeypatch.setattr(sys, "argv", ["lfdcore", *map(str, words)])
-    monkeypatch.setenv("COLUMNS", "200")
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as end:
-        command_line.main()
-        raise SystemExit(0)
-    out, err = capsys.readouterr()
-    return int(end.value.code or 0), out, err
 
 
 def test_adaptation_gives_a_row_a_bias_a_picture_and_what_repeats_it(heatmap_model, tmp_path, monkeypatch, capsys):
@@ -58,10 +46,10 @@ def test_a_model_that_is_not_given_is_learned_in_the_folder_with_a_bar_a_stage(t
         return folder / f"of-seed-{seed}.safetensors"
 
     monkeypatch.setattr("lfdcore.study.heatmap_demonstrations.learn_heatmaps_from_demonstrations", learn)
-    told = []
-    learned = heatmaps_or_learned(None, tmp_path / "new", 4, lambda *what: told.append(what), None)
+    with progress_bar() as bar:
+        learned = heatmaps_or_learned(None, tmp_path / "new", 4, Stages(bar), None)
     assert learned == tmp_path / "new" / "of-seed-4.safetensors" and learned.parent.is_dir()
-    assert told == [("heatmaps: demonstrate", 72, 72)]
+    assert [(task.description, task.completed, task.total) for task in bar.tasks] == [("heatmaps: demonstrate", 72, 72)]
 
 
 @pytest.mark.parametrize(
