@@ -50,13 +50,13 @@ def _kept(name: str, with_faults: bool) -> bool:
 def _kth(name: str, values: NDArray[Any], names: list[str]) -> InteractionRecording:
     if values.ndim != 2 or values.shape[1] != 14 or not np.isfinite(values).all():
         raise ValueError(f"{name} has shape {values.shape}, must be (T, 14) and finite")
-    both = values.astype(np.float64)
+    both: Array = values.astype(np.float64)
     for quaternion in (slice(3, 7), slice(10, 14)):
         both[:, quaternion] = _continuous(both[:, quaternion])
-    stamp = np.arange(len(both)) * _KTH_PERIOD
+    stamp = _KTH_PERIOD * np.arange(len(both), dtype=np.float64)
     notes = {"source": "KTH-RPL/handovers_dataset", "tracking_fault": str(name in KTH_FAULTS).lower()}
-    columns = {"partner_names": tuple(names[:7]), "robot_names": tuple(names[7:])}
-    return InteractionRecording(stamp, both[:, :7], both[:, 7:], **columns, metadata=notes, name=name, frame="mocap")
+    columns = (tuple(names[:7]), tuple(names[7:]))
+    return InteractionRecording(stamp, both[:, :7], both[:, 7:], *columns, metadata=notes, name=name, frame="mocap")
 
 
 def _continuous(quaternions: Array) -> Array:
@@ -66,7 +66,9 @@ def _continuous(quaternions: Array) -> Array:
         raise ValueError(f"a quaternion has the length {lengths[np.argmax(np.abs(lengths - 1)), 0]:.3g}, must be 1")
     flips = np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0, -1.0, 1.0)
     first = -1.0 if quaternions[0, 3] < 0 else 1.0
-    return quaternions / lengths * np.cumprod([first, *flips])[:, None]
+    signs: Array = np.cumprod([first, *flips])
+    continuous: Array = quaternions / lengths * signs[:, None]
+    return continuous
 
 
 def read_dynamic_handovers(
@@ -104,7 +106,7 @@ def _dynamic(held: dict[str, NDArray[Any]], partner: Joints, robot: Joints, with
     for k, name in enumerate(held["names"]):
         rows = slice(cuts[k], cuts[k + 1])
         notes = {"source": "hyeonseong-kim98/dynamic_handover_dataset"}
-        stamp, columns = np.arange(lengths[k]) * _DYNAMIC_PERIOD, (giver_names, taker_names)
+        stamp, columns = _DYNAMIC_PERIOD * np.arange(lengths[k], dtype=np.float64), (giver_names, taker_names)
         one = InteractionRecording(
             stamp, giver[rows], taker[rows], *columns, metadata=notes, name=str(name), frame="camera"
         )

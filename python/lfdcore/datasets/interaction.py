@@ -141,7 +141,8 @@ class InteractionRecording:
                 f"{self.name or 'recording'}: {self.partner_names[column]} was not seen for {length:.3g} s from "
                 f"{begin:.3f} s on, must be <= {longest_gap:g} s to be bridged"
             )
-        return np.interp(at, self.stamp[seen], self.partner[seen, column])
+        filled: Array = np.interp(at, self.stamp[seen], self.partner[seen, column])
+        return filled
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes what `load_interaction` reads, replacing the file in one step; the same recording, the same bytes.
@@ -293,9 +294,9 @@ def _unpacked(file: Any) -> InteractionRecording:
         claimed = sum(info.file_size for info in archive.infolist())
         if claimed > LARGEST:
             raise ValueError(f"unpacks to {claimed} bytes, must be <= {LARGEST}")
-        arrays = {key: _member(archive, key) for key in _MEMBERS}
-    header = _header(arrays.pop("header"))
-    return InteractionRecording(**arrays, **header)
+        said = _header(_member(archive, "header"))
+        arrays: dict[str, Any] = {key: _member(archive, key) for key in _ARRAYS}
+    return InteractionRecording(**arrays, **said)
 
 
 def _member(archive: zipfile.ZipFile, key: str) -> NDArray[Any]:
