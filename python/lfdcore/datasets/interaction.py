@@ -224,7 +224,8 @@ def require_environment(values: Mapping[str, Any]) -> dict[str, float]:
             raise ValueError(f"environment has the name {name!r}, must be a text that is not empty")
         if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
             raise ValueError(f"environment {name!r} is {_SHORT.repr(value)}, must be a number")
-        if not abs(value) <= FARTHEST:
+        size: Any = abs(value)
+        if not size <= FARTHEST:
             raise ValueError(f"environment {name!r} is {_SHORT.repr(value)}, must be finite and within {FARTHEST:g}")
     return {name: float(value) for name, value in values.items()}
 

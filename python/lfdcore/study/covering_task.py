@@ -10,9 +10,11 @@ p2 in the intervals [a, b], [c, d] of the phase u is p0 + (p1 - p0) S((u - a) / 
 c)). `lead` moves all intervals of both agents earlier; the phase is w(u) = u + a sin(2 pi u) / (2 pi). top = the
 object's height - BASE_HEIGHT, left = the y of its left face.
   gripper  y: -.08 -> left + .11                    [.17, .87]
-           z: -.08 -> top + margin -> top + .04     [.06, .40], [.72, .98];  margin = .115 + .016 style + personal
+           z: -.08 -> top + margin -> top + .04     [.06, .40], [.72, .98];  margin = .115 + .016 style + personal;
+              and .035 up and down again            [.28, .53], [.55, .80]
            x: .62 -> .80 -> .76                     [.08, .48], [.60, .95]
            yaw -.35 -> .35 rad [.15, .90]; pitch 1.92 -> 2.06 rad [.05, .50]; roll 0
+           all of it with the unsteadiness of an arm that is led by hand: slow, on x, y, z and both angles
   hand     y: -.10 (+ .10 for the hand that leads) -> reach   [.15, .85]
            z: -.05 + .03 style -> carry -> lower    [.02, .34], [.70, .97]
            x: 1.15 (1.25 for the hand that leads), .03 nearer in the middle
@@ -93,6 +95,8 @@ class CoveringConfig:
     """[m] of the person's reach and carry; a third of it, of the demonstrator's margin and of where the gripper ends"""
     placing: float = 0.0
     """[m] of the object's place along y"""
+    wobble: float = 0.004
+    """[m] and, times 5, [rad]: how unsteadily the robot's arm is led, slow"""
     noise: float = 0.006
     """[m] white, of each glove and axis"""
     drift: float = 0.006
@@ -219,7 +223,7 @@ def demonstrate_covering(
     shared = _Shared.drawn(rng, config)
     stamp = PERIOD * np.arange(max(2, round(shared.duration / PERIOD)), dtype=np.float64)
     u = shared.phase(np.linspace(0, 1, len(stamp)))
-    robot = _gripper(u, shared, box, _clipped(rng, config.personal / 3, 2))
+    robot = _gripper(u, shared, box, _clipped(rng, config.personal / 3, 2), config.wobble * _unsteady(rng, len(u), 5))
     hands = _tracked(_hands(u, shared, box, rng, config), rng, config)
     scene = scene_of(box)
     known = {name: scene[name] for name in environment_names}
@@ -286,16 +290,17 @@ def _clipped(rng: np.random.Generator, sd: float, size: int | tuple[int, ...] | 
     return np.clip(rng.normal(0.0, 1.0, size), -2, 2) * sd
 
 
-def _gripper(u: Array, shared: _Shared, box: Box, personal: Array) -> Array:
-    """(T, 7) the left gripper's pose."""
+def _gripper(u: Array, shared: _Shared, box: Box, personal: Array, wobble: Array) -> Array:
+    """(T, 7) the left gripper's pose; wobble (T, 5) [m]."""
     left = box.centre[1] + box.size[1] / 2
     margin = 0.115 + 0.016 * shared.style + personal[0]
     x = _moves(u, 0.62, (0.80, 0.08, 0.48), (0.76, 0.60, 0.95))
     y = _moves(u, -0.08, (left + 0.11 + personal[1], 0.17, 0.87))
     z = _moves(u, -0.08, (box.top + margin, 0.06, 0.40), (box.top + 0.04, 0.72, 0.98))
-    yaw = _moves(u, -0.35, (0.35, 0.15, 0.90))
-    pitch = _moves(u, 1.92, (2.06, 0.05, 0.50))
-    return np.stack([x, y, z, *_pointing(yaw, pitch)], axis=1)
+    z += _moves(u, 0.0, (0.035, 0.28, 0.53), (0.0, 0.55, 0.80))
+    yaw = _moves(u, -0.35, (0.35, 0.15, 0.90)) + 5 * wobble[:, 3]
+    pitch = _moves(u, 1.92, (2.06, 0.05, 0.50)) + 5 * wobble[:, 4]
+    return np.hstack([np.stack([x, y, z], axis=1) + wobble[:, :3], _pointing(yaw, pitch)])
 
 
 def _moves(u: Array, start: float, *moves: tuple[float, float, float]) -> Array:
@@ -312,10 +317,10 @@ def _jerk(s: Array) -> Array:
     return s**3 * (10 - 15 * s + 6 * s**2)
 
 
-def _pointing(yaw: Array, pitch: Array) -> tuple[Array, Array, Array, Array]:
-    """Quaternion xyzw of R_z(yaw) R_y(pitch): at pitch pi/2 the gripper's z axis points forward, beyond it down."""
+def _pointing(yaw: Array, pitch: Array) -> Array:
+    """(T, 4) quaternions xyzw of R_z(yaw) R_y(pitch): at pitch pi/2 its z axis points forward, beyond it down."""
     cy, sy, cp, sp = np.cos(yaw / 2), np.sin(yaw / 2), np.cos(pitch / 2), np.sin(pitch / 2)
-    return -sy * sp, cy * sp, sy * cp, cy * cp
+    return np.stack([-sy * sp, cy * sp, sy * cp, cy * cp], axis=1)
 
 
 def _hands(u: Array, shared: _Shared, box: Box, rng: np.random.Generator, config: CoveringConfig) -> Array:
@@ -336,25 +341,25 @@ def _hands(u: Array, shared: _Shared, box: Box, rng: np.random.Generator, config
 
 def _tracked(hands: Array, rng: np.random.Generator, config: CoveringConfig) -> Array:
     """The same as gloves are tracked: noise, drift, and NaN while a hand is hidden."""
-    drift = np.stack([_slow(rng, len(hands)) for _ in range(hands.shape[1])], axis=1)
+    drift = _unsteady(rng, *hands.shape)
     seen = hands + rng.normal(0, config.noise, hands.shape) + config.drift * drift
     for hand in (slice(0, 3), slice(3, 6)):
         seen[_hidden(rng, len(hands), config), hand] = np.nan
     return seen
 
 
-def _slow(rng: np.random.Generator, samples: int) -> Array:
-    """Gaussian values of unit variance every second, joined smoothly."""
-    knots = rng.normal(0, 1, int(samples * PERIOD) + 3)
-    at = np.arange(samples) * PERIOD
+def _unsteady(rng: np.random.Generator, samples: int, columns: int) -> Array:
+    """(T, columns) Gaussian values of unit variance (cut at 2) every second, joined smoothly."""
+    knots = _clipped(rng, 1.0, (int(samples * PERIOD) + 3, columns))
+    at = PERIOD * np.arange(samples, dtype=np.float64)
     whole = at.astype(int)
-    value: Array = knots[whole] + (knots[whole + 1] - knots[whole]) * _jerk(at - whole)
-    return value
+    joined: Array = knots[whole] + (knots[whole + 1] - knots[whole]) * _jerk(at - whole)[:, None]
+    return joined
 
 
 def _hidden(rng: np.random.Generator, samples: int, config: CoveringConfig) -> NDArray[np.bool_]:
     """(T,) where a glove is not seen: spans that neither touch nor hide the last of a motion's samples."""
-    hidden = np.zeros(samples + 2, bool)
+    hidden = np.zeros(samples + 1, bool)
     for _ in range(int(rng.poisson(config.occlusions))):
         begin, length = int(rng.integers(1, samples)), int(rng.uniform(0.1, 1) * config.longest_occlusion / PERIOD)
         end = min(begin + length, samples)
