@@ -10,7 +10,7 @@ of whom only mouse.x is seen. Environment: the rectangle's width and height [px]
 The generator, all of it, with u = k / (STEPS - 1) and the minimum jerk S(s) = 10 s^3 - 15 s^4 + 6 s^5, s cut to [0, 1]:
   x(u) = x0 + (x1 - x0) S((w(u) - b) / (1 - b - r)),  w(u) = u + a sin(2 pi u) / (2 pi)
   y(u) = y0 + (y1 - y0) p + (GROUND - H - m - crown - y0 - (y1 - y0) p) S((x - l) / run) S((q - x) / run)
-with p = (x - x0) / (x1 - x0), crown = 12 px cos^2 that fades to the path's corners, l = left edge - side - run and
+with p = (x - x0) / (x1 - x0), crown = 12 px (1 - ((x - MIDDLE) / (width / 2 + side))^2), l = left edge - side - run and
 q = right edge + side + run: the motion along x knows nothing of the rectangle, and
 nothing along y does before x reaches l. x0, y0, x1, y1, the rest at the begin b and end r, the tempo a, the margin m,
 the side and the run are drawn for each demonstration; a hand's tremor (Gaussian noise smoothed over 9 samples, .8 px)
@@ -117,8 +117,8 @@ def _drawn_path(rectangle: Rectangle, rng: np.random.Generator) -> NDArray[np.fl
     x = x0 + (x1 - x0) * progress
     half = rectangle.width / 2 + side + run
     bump = _jerk((x - (MIDDLE - half)) / run) * _jerk(((MIDDLE + half) - x) / run)
-    aside = np.clip((x - MIDDLE) / (half - run), -1, 1)
-    top = GROUND - rectangle.height - margin - CROWN * np.cos(np.pi / 2 * aside) ** 2
+    crown = CROWN * (1 - ((x - MIDDLE) / (half - run)) ** 2)
+    top = GROUND - rectangle.height - margin - crown
     level = y0 + (y1 - y0) * progress
     path: Array = np.stack([x, level + (top - level) * bump], axis=1)
     tremor = np.stack([_smooth(rng.normal(0, 0.8 * 3, STEPS), 9) for _ in range(2)], axis=1)
