@@ -15,9 +15,10 @@ MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
     "wheelchair": FACADES | {"datasets"},
+    "humanoid": FACADES | {"datasets"},
     "training": FACADES | {"datasets", "wheelchair"},
-    "study": FACADES | {"datasets", "wheelchair", "training"},
-    "cli": FACADES | {"datasets", "wheelchair", "training", "study"},
+    "study": FACADES | {"datasets", "wheelchair", "humanoid", "training"},
+    "cli": FACADES | {"datasets", "wheelchair", "humanoid", "training", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion"}
@@ -83,7 +84,7 @@ def test_importing_lfdcore_needs_neither_scipy_nor_matplotlib_nor_torch() -> Non
     assert result.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("stage", ["wheelchair", "study"])
+@pytest.mark.parametrize("stage", ["wheelchair", "humanoid", "study"])
 def test_only_training_needs_torch(stage: str) -> None:
     names = [f"lfdcore.{stage}.{p.stem}" for p in sorted((PACKAGE / stage).glob("[!_]*.py"))]
     code = f"import sys, {', '.join(names)}; print(sorted({{'torch', 'onnx'}} & set(sys.modules)))"

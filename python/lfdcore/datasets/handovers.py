@@ -94,7 +94,8 @@ def _dynamic(held: dict[str, NDArray[Any]], partner: Joints, robot: Joints, with
     total, unknown = int(lengths.sum()), [j for j in joints if j not in _JOINTS]
     if unknown or (lengths < 2).any() or len(held["names"]) != len(lengths):
         raise ValueError(f"joints are {joints}, lengths {lengths.min()} or more for {len(held['names'])} names")
-    for key, shape in (("giver", (total, len(joints), 3)), ("receiver", (total, len(joints), 3))):
+    bodies = (total, len(joints), 3)
+    for key, shape in (("giver", bodies), ("receiver", bodies), ("object_pos", (total, 3))):
         if held[key].shape != shape:
             raise ValueError(f"{key} has shape {held[key].shape}, must be {shape} by the lengths")
     giver, giver_names = _points(held["giver"], joints, partner)

@@ -82,7 +82,7 @@ def segment_box_distance(begin: ArrayLike, end: ArrayLike, box: Box) -> tuple[Ar
 def segment_distance(begin: Array, end: Array, half: Array) -> tuple[Array, Array]:
     """`segment_box_distance` in any dimension D for a box from -half to half: (N, D), (N, D), (D,) -> (N,), (N,)."""
     along = end - begin
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         crossings = np.concatenate([(half - begin) / along, (-half - begin) / along], axis=1)
     ends = np.broadcast_to([0.0, 1.0], (len(begin), 2))
     inner = np.clip(np.nan_to_num(crossings, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)

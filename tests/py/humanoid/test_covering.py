@@ -1,0 +1,298 @@
+"""The covering verdict against slow obvious computations, and what must hold of it whatever the motion."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from lfdcore.humanoid.covering import (
+    BASE_HEIGHT,
+    DRAPE,
+    STEP,
+    Box,
+    Capsule,
+    covering_verdict,
+    nearest_approach,
+    segment_box_distance,
+    standing_box,
+)
+
+Array = np.ndarray
+
+RIGHT = (0.72, -0.32, 0.32)
+BOX = standing_box(0.9, 0.4, 0.38, (0.8, 0.27))
+
+coordinates = st.floats(-1.5, 1.5)
+points = st.tuples(coordinates, coordinates, coordinates)
+boxes = st.builds(Box, points, st.tuples(*[st.floats(0.05, 1.0)] * 3), st.floats(-3.2, 3.2))
+paths = arrays(np.float64, (6, 3), elements=coordinates)
+
+
+def sweep(box: Box = BOX, margin: float = 0.12, beyond: float = 0.12, x: float = 0.78, end: float = 0.04) -> Array:
+    """Up beside the box, straight across `margin` above its top, `beyond` it, down to `end` above the top: (60, 3)."""
+    right, left = box.centre[1] - box.size[1] / 2, box.centre[1] + box.size[1] / 2
+    corners = [(right - 0.15, -0.08), (right - 0.15, box.top + margin), (left + beyond, box.top + margin)]
+    corners.append((left + beyond, box.top + end))
+    y, z = np.array(corners).T
+    at = np.linspace(0, 3, 60)
+    return np.stack([np.full(60, x), np.interp(at, np.arange(4), y), np.interp(at, np.arange(4), z)], axis=1)
+
+
+# -- distances ------------------------------------------------------------------------------------------------------
+
+
+def sampled_distance(begin: Array, end: Array, box: Box, count: int = 2001) -> float:
+    """Distance by points along the segment, each clipped into the box: an upper bound."""
+    dense = begin + np.linspace(0, 1, count)[:, None] * (end - begin)
+    cos, sin = np.cos(box.yaw), np.sin(box.yaw)
+    turn = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
+    local = (dense - np.array(box.centre)) @ turn.T
+    half = np.array(box.size) / 2
+    return float(np.linalg.norm(local - np.clip(local, -half, half), axis=1).min())
+
+
+@given(points, points, boxes)
+def test_segment_to_box_is_the_least_distance_of_its_points(begin: tuple, end: tuple, box: Box) -> None:
+    a, b = np.array(begin), np.array(end)
+    (exact,), (at,) = segment_box_distance(a[None], b[None], box)
+    coarse = sampled_distance(a, b, box)
+    assert exact <= coarse + 1e-9
+    assert coarse - exact <= np.linalg.norm(b - a) / 4000 + 1e-9
+    assert 0 <= at <= 1
+    here = a + at * (b - a)
+    assert sampled_distance(here, here, box, 2) == pytest.approx(exact, abs=1e-9)
+
+
+def test_distance_to_a_sampled_surface_agrees() -> None:
+    rng = np.random.default_rng(3)
+    box = Box((0.2, -0.1, 0.3), (0.4, 0.6, 0.8), 0.5)
+    faces = rng.uniform(-0.5, 0.5, (60000, 3))
+    axis = rng.integers(0, 3, len(faces))
+    faces[np.arange(len(faces)), axis] = np.sign(rng.normal(size=len(faces))) * 0.5
+    local = faces * box.size
+    cos, sin = np.cos(box.yaw), np.sin(box.yaw)
+    surface = local @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + np.array(box.centre)
+    for _ in range(20):
+        a, b = rng.uniform(-1.5, 1.5, (2, 3))
+        exact = float(segment_box_distance(a[None], b[None], box)[0][0])
+        along = a + np.linspace(0, 1, 60)[:, None] * (b - a)
+        slow = np.sqrt(((along[:, None] - surface[None, ::6]) ** 2).sum(axis=2)).min()
+        if exact > 0.05:
+            assert exact - 1e-9 <= slow <= exact + 0.03
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "distance"),
+    [
+        ((-2, 0, 0), (2, 0, 0), 0.0),  # through
+        ((0, 0, 0), (0.1, 0, 0), 0.0),  # wholly inside
+        ((2, 0, 0), (2, 0, 0), 1.5),  # a point
+        ((0.5, 0, 0), (3, 0, 0), 0.0),  # touching a face
+        ((-3, 0, 1), (3, 0, 1), 0.5),  # along a face
+        ((1.5, -3, 1.5), (1.5, 3, 1.5), np.sqrt(2)),  # along an edge
+    ],
+)
+def test_known_distances_to_a_unit_box(begin: tuple, end: tuple, distance: float) -> None:
+    found = segment_box_distance([begin], [end], Box((0, 0, 0), (1, 1, 1)))[0][0]
+    assert found == pytest.approx(distance, abs=1e-12)
+
+
+@given(points, points, boxes)
+def test_the_order_of_the_grippers_does_not_matter(begin: tuple, end: tuple, box: Box) -> None:
+    one, other = (segment_box_distance([a], [b], box)[0][0] for a, b in ((begin, end), (end, begin)))
+    assert one == pytest.approx(other, abs=1e-12)
+
+
+# -- the swept mouth ------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=30)
+@given(paths, points, boxes)
+def test_the_swept_distance_is_that_of_a_fine_sweep_within_the_stated_bound(
+    path: Array, right: tuple, box: Box
+) -> None:
+    still = np.broadcast_to(right, path.shape)
+    found = nearest_approach(still, path, box)
+    parts = 4000
+    at = np.linspace(0, len(path) - 1, parts)
+    fine = np.stack([np.interp(at, np.arange(len(path)), column) for column in path.T], axis=1)
+    slow = segment_box_distance(np.broadcast_to(right, fine.shape), fine, box)[0].min()
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert found.distance <= slow + STEP / 2 + 1e-9
+    assert slow <= found.distance + length / parts + 1e-9
+    nearest = np.array([found.point])
+    assert segment_box_distance(nearest, nearest, box)[0][0] == pytest.approx(found.distance, abs=1e-9)
+    assert 0 <= found.sample <= len(path) - 1
+
+
+@given(paths, points, boxes, st.floats(0.2, 1.0), st.floats(0.2, 1.0), st.floats(0.2, 1.0))
+def test_a_smaller_box_never_makes_a_collision(path: Array, right: tuple, box: Box, sx, sy, sz) -> None:  # type: ignore[no-untyped-def]
+    depth, width, height = box.size
+    smaller = dataclasses.replace(box, size=(sx * depth, sy * width, sz * height))
+    assert not covering_verdict(path, right, smaller).collided or covering_verdict(path, right, box).collided
+
+
+@given(paths, points, boxes, st.floats(0, 6.28), st.floats(0, 3))
+def test_moving_the_box_away_never_makes_a_collision(
+    path: Array, right: tuple, box: Box, heading: float, further: float
+) -> None:
+    away = np.array([np.cos(heading), np.sin(heading), 0.0])
+    swept = np.vstack([path, right]) @ away  # beyond its last point nothing is ever near again
+    reach = np.linalg.norm(box.size) / 2
+    clear = box.moved(away * max(0.0, swept.max() + reach + 0.021 - np.array(box.centre) @ away))
+    if not covering_verdict(path, right, clear).collided:
+        assert not covering_verdict(path, right, clear.moved(further * away)).collided
+    assert not covering_verdict(path, right, clear).collided
+
+
+@given(paths, points, boxes, st.floats(-3, 3), points)
+def test_the_verdict_is_the_same_from_wherever_one_looks(path, right, box, turn, shift) -> None:  # type: ignore[no-untyped-def]
+    cos, sin = np.cos(turn), np.sin(turn)
+    rotation = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    x, y, z = rotation @ box.centre + shift
+    there = covering_verdict(
+        path @ rotation.T + shift, rotation @ right + shift, Box((x, y, z), box.size, box.yaw + turn)
+    )
+    here = covering_verdict(path, right, box)
+    assert there.contact.distance == pytest.approx(here.contact.distance, abs=1e-9)
+    assert there.past == pytest.approx(here.past, abs=1e-9)
+    if abs(here.contact.distance - 0.02) > 1e-6:
+        assert there.collided == here.collided
+
+
+@given(paths, points, boxes)
+def test_the_verdict_is_the_same_in_a_mirror(path: Array, right: tuple, box: Box) -> None:
+    flip = np.array([1, -1, 1])
+    x, y, z = box.centre
+    there = covering_verdict(path * flip, np.array(right) * flip, Box((x, -y, z), box.size, -box.yaw))
+    here = covering_verdict(path, right, box)
+    assert there.contact.distance == pytest.approx(here.contact.distance, abs=1e-9)
+    assert (there.covered, there.part) == (here.covered, here.part)
+
+
+# -- covered or not -------------------------------------------------------------------------------------------------
+
+
+def test_a_sweep_over_and_past_the_object_covers_it() -> None:
+    verdict = covering_verdict(sweep(), RIGHT, BOX)
+    assert verdict.success, verdict.reason
+    assert verdict.contact.first is None
+    assert verdict.past > 0
+
+
+@pytest.mark.parametrize("by", [(0, 0.3, 0), (0, -0.3, 0), (0.3, 0, 0), (-0.3, 0, 0)])
+def test_a_box_30_cm_to_the_side_changes_the_verdict(by: tuple) -> None:
+    verdict = covering_verdict(sweep(), RIGHT, BOX.moved(by))
+    assert not verdict.success
+
+
+def test_the_box_moved_left_is_neither_passed_nor_spared_by_a_low_end() -> None:
+    verdict = covering_verdict(sweep(end=-0.1), RIGHT, BOX.moved((0, 0.3, 0)))
+    assert verdict.collided
+    assert not verdict.covered
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"beyond": -0.05}, "short of the object's far side"),
+        ({"x": 1.3}, "does not lie across the object"),
+        ({"end": DRAPE + 0.01}, "above the top, must be <= 0.15 m"),
+    ],
+)
+def test_a_sweep_that_falls_short_says_why(changes: dict[str, float], reason: str) -> None:
+    verdict = covering_verdict(sweep(**changes), RIGHT, BOX)
+    assert not verdict.covered
+    assert reason in verdict.reason
+
+
+def test_a_motion_that_begins_behind_the_object_or_ends_below_its_top_does_not_cover_it() -> None:
+    backwards = np.vstack([sweep()[-1:], sweep()])
+    assert "does not begin short" in covering_verdict(backwards, RIGHT, BOX).reason
+    through = sweep()
+    through[:, 2] = -0.4
+    verdict = covering_verdict(through, (0.72, -0.32, -0.4), BOX)
+    assert (verdict.covered, verdict.collided) == (False, True)
+    assert "below the object's top" in verdict.reason
+    assert "upright" in covering_verdict([RIGHT], RIGHT, BOX).reason
+
+
+@pytest.mark.parametrize(("margin", "collided"), [(0.0201, False), (0.0199, True), (0.0, True), (-0.2, True)])
+def test_the_clearance_is_2_cm(margin: float, collided: bool) -> None:
+    verdict = covering_verdict(sweep(margin=margin, end=margin), RIGHT, BOX)
+    assert verdict.collided == collided
+    assert verdict.contact.distance == pytest.approx(max(margin, 0), abs=1e-6)
+
+
+def test_where_and_when_it_touches_is_told() -> None:
+    low = sweep()
+    low[30:33, 2] = BOX.top - 0.05
+    contact = covering_verdict(low, RIGHT, BOX).contact
+    assert contact.distance == 0
+    assert contact.first is not None
+    assert 29 < contact.first <= contact.sample <= 33
+    assert contact.point[2] <= BOX.top + 1e-9
+
+
+def test_a_collision_between_two_samples_is_seen() -> None:
+    over = np.array([[0.78, -0.2, 0.3], [0.78, 0.8, 0.3], [0.78, -0.2, -0.9]])  # the last move cuts through the box
+    assert covering_verdict(over, (0.78, -0.3, 0.3), BOX).contact.distance == 0
+
+
+def test_an_arm_that_touches_counts_and_is_named() -> None:
+    path = sweep()
+    elbow = path - np.array([0.3, 0.0, -0.1])
+    free, low = Capsule(elbow, path, 0.05), Capsule(path - [0.15, 0.0, 0.3], path, 0.05)
+    assert covering_verdict(path, RIGHT, BOX, links=[free]).success
+    verdict = covering_verdict(path, RIGHT, BOX, links=[free, low])
+    assert (verdict.collided, verdict.part) == (True, "link 2")
+
+
+def test_a_standing_box_stands_on_the_floor() -> None:
+    box = standing_box(0.75, 0.4, 0.3, (0.8, 0.2))
+    assert box.centre[2] - box.size[2] / 2 == pytest.approx(-BASE_HEIGHT)
+    assert box.top == pytest.approx(0.75 - BASE_HEIGHT)
+
+
+def test_further_columns_are_ignored() -> None:
+    pose = np.hstack([sweep(), np.full((60, 4), np.nan)])
+    assert covering_verdict(pose, RIGHT, BOX).success
+
+
+# -- bad input ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "right", "reason"),
+    [
+        (np.zeros((0, 3)), RIGHT, r"trajectory has shape \(0, 3\)"),
+        (np.zeros((5, 2)), RIGHT, r"trajectory has shape \(5, 2\)"),
+        (np.zeros(3), RIGHT, r"trajectory has shape \(3,\)"),
+        (np.full((5, 3), np.nan), RIGHT, "trajectory at sample 0 is .*nan.* must be finite"),
+        (np.zeros((5, 3)), (0, 0), r"right_gripper has shape \(1, 2\)"),
+        (np.zeros((5, 3)), np.zeros((2, 3)), r"right_gripper has shape \(2, 3\)"),
+        (np.zeros((5, 3)), (0, 0, np.inf), "right_gripper at sample 0"),
+        (np.array([[0, 0, 0], [1e5, 0, 0]]), RIGHT, "the grippers move 100000 m, must be <= 200 m"),
+    ],
+)
+def test_motions_that_are_none_are_refused(trajectory: Array, right: object, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        covering_verdict(trajectory, right, BOX)  # type: ignore[arg-type]
+
+
+def test_boxes_links_and_bounds_that_cannot_be_are_refused() -> None:
+    with pytest.raises(ValueError, match="box size must be > 0 m, got 0"):
+        Box((0, 0, 0), (1, 0, 1))
+    with pytest.raises(ValueError, match="that are finite"):
+        Box((0, np.nan, 0), (1, 1, 1))
+    with pytest.raises(ValueError, match="radius must be finite and >= 0 m, got -1"):
+        Capsule(sweep(), sweep(), -1)
+    with pytest.raises(ValueError, match="link 1 has 5 samples, must be 60"):
+        covering_verdict(sweep(), RIGHT, BOX, links=[Capsule(sweep()[:5], sweep()[:5], 0.1)])
+    with pytest.raises(ValueError, match="clearance must be >= 0 m and step > 0 m"):
+        covering_verdict(sweep(), RIGHT, BOX, clearance=np.nan)
+    with pytest.raises(ValueError, match="at most 1e6 evaluations"):
+        covering_verdict(sweep(), RIGHT, BOX, step=1e-9)
