@@ -223,7 +223,7 @@ def covering_verdict(
     trajectory: (T, 3 or more), the left gripper's x, y, z [m, base] first, T >= 1; right_gripper: (3,) [m, base], held
     still. Collided: the swept mouth, or a capsule of `links` (each with T samples), comes nearer to the box than
     `clearance` [m]. Covered, as seen from above along the mouth as it ends: (1) the left gripper began short of the
-    object's middle; (2) it ends past the object by at least the clearance; (3) the mouth lies across the object, above
+    object; (2) it ends past the object by at least the clearance; (3) the mouth lies across the object, above
     its top; (4) the left gripper is at most DRAPE above the top. ValueError for shapes and values that are not finite.
     """
     given = np.asarray(trajectory, np.float64)
@@ -253,9 +253,10 @@ def _coverage(left: Array, right: Array, box: Box, clearance: float) -> tuple[fl
         return -math.inf, "the mouth ends upright: the grippers are above each other"
     direction = mouth[:2] / length
     centre = float((np.asarray(box.centre[:2]) - right[:2]) @ direction)
-    past = length - centre - _half_extent(box, direction) - clearance
-    if float((left[0, :2] - right[:2]) @ direction) > centre:
-        return past, "the left gripper does not begin short of the object's middle"
+    half = _half_extent(box, direction)
+    past = length - centre - half - clearance
+    if float((left[0, :2] - right[:2]) @ direction) > centre - half:
+        return past, "the left gripper does not begin short of the object"
     if past < 0:
         return past, f"the left gripper ends {-past:.3f} m short of the object's far side and clearance"
     return past, _hanging(left[-1], right, box)

@@ -156,10 +156,23 @@ def passing_verdict(path: ArrayLike, rectangle: Rectangle) -> PassingVerdict:
     local = points + np.array([-MIDDLE, rectangle.height / 2 - GROUND])
     half = np.array([rectangle.width, rectangle.height]) / 2
     clearance = float(segment_distance(local[:-1], local[1:], half)[0].min())
-    within = np.abs(points[:, 0] - MIDDLE) <= half[0]
-    above = bool((points[within, 1] < GROUND - rectangle.height).all())
+    above = bool((_heights_beside(local, half[0]) < 0).all())  # it does not touch: above or below, never both
     across = points[0, 0] < MIDDLE - half[0] and points[-1, 0] > MIDDLE + half[0]
     return PassingVerdict(bool(across and above and clearance > 0), clearance <= 0, clearance)
+
+
+def _heights_beside(points: Array, half: float) -> Array:
+    """y, halfway through the strip -half <= x <= half, of every piece of a path (T, 2) that enters it."""
+    begin, end = points[:-1], points[1:]
+    run = end[:, 0] - begin[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        edges = np.sort(np.stack([(-half - begin[:, 0]) / run, (half - begin[:, 0]) / run]), axis=0)
+    upright = np.where(np.abs(begin[:, 0]) <= half, [[0.0], [1.0]], [[1.0], [0.0]])
+    enter, leave = np.clip(np.where(run == 0, upright, edges), [[0.0], [-np.inf]], [[np.inf], [1.0]])
+    inside = enter <= leave
+    middle = (enter + leave)[inside] / 2
+    heights: Array = begin[inside, 1] + middle * (end - begin)[inside, 1]
+    return heights
 
 
 def dtw_per_sample(path: ArrayLike, sample: ArrayLike) -> float:

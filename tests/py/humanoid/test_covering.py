@@ -199,7 +199,7 @@ def test_the_box_moved_left_is_neither_passed_nor_spared_by_a_low_end() -> None:
     ("changes", "reason"),
     [
         ({"beyond": -0.05}, "short of the object's far side"),
-        ({"x": 1.3}, "does not lie across the object"),
+        ({"x": 0.5}, "does not lie across the object"),
         ({"end": DRAPE + 0.01}, "above the top, must be <= 0.15 m"),
     ],
 )
@@ -211,7 +211,7 @@ def test_a_sweep_that_falls_short_says_why(changes: dict[str, float], reason: st
 
 def test_a_motion_that_begins_behind_the_object_or_ends_below_its_top_does_not_cover_it() -> None:
     backwards = np.vstack([sweep()[-1:], sweep()])
-    assert "does not begin short" in covering_verdict(backwards, RIGHT, BOX).reason
+    assert "does not begin short of the object" in covering_verdict(backwards, RIGHT, BOX).reason
     through = sweep()
     through[:, 2] = -0.4
     verdict = covering_verdict(through, (0.72, -0.32, -0.4), BOX)

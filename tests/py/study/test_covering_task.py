@@ -1,4 +1,4 @@
-"""The covering task: every demonstration covers without a collision, in reach; what the partner gives away is a dial."""
+"""The covering task: every demonstration covers, in reach, without a collision; what the partner shows is a dial."""
 
 import dataclasses
 from pathlib import Path
