@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
@@ -127,5 +129,12 @@ def _read(
     try:
         with np.load(path, allow_pickle=False) as archive:
             return make({key: archive[key] for key in archive.files})
-    except (ValueError, zipfile.BadZipFile, EOFError, KeyError, AttributeError, TypeError) as broken:
+    except _BROKEN as broken:
         raise DataError(f"{path}: is no such recording of handovers: {broken}") from broken
+
+
+_BROKEN = (
+    ValueError, TypeError, KeyError, AttributeError, SyntaxError, OverflowError, MemoryError, EOFError, RuntimeError,
+    zlib.error, zipfile.BadZipFile, tokenize.TokenError,
+)  # fmt: skip
+"""What NumPy and zipfile raise for files that nobody meant."""

@@ -10,7 +10,9 @@ import io
 import json
 import math
 import os
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -283,7 +285,10 @@ def load_interaction(path: str | os.PathLike[str]) -> InteractionRecording:
             raise DataError(f"{path}: {' '.join(str(broken).split()) or type(broken).__name__}") from broken
 
 
-_BROKEN = (ValueError, zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, RecursionError, KeyError)
+_BROKEN = (
+    ValueError, TypeError, KeyError, SyntaxError, OverflowError, MemoryError, EOFError, RuntimeError, zlib.error,
+    zipfile.BadZipFile, tokenize.TokenError,
+)  # fmt: skip
 """What zipfile, NumPy's format and JSON raise for files that nobody meant."""
 
 

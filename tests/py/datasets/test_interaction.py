@@ -286,6 +286,39 @@ def test_a_flipped_bit_is_noticed_or_harmless(tmp_path: Path) -> None:
         np.testing.assert_array_equal(read.partner, recording(5).partner)
 
 
+@pytest.mark.parametrize("flags", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
+def test_garbled_array_headers_are_refused(tmp_path: Path, flags: int) -> None:
+    rng, path = np.random.default_rng(1), tmp_path / "garbled.npz"
+    recording(5).save(path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    for _ in range(300):
+        garbled = bytearray(members["stamp.npy"])
+        garbled[rng.integers(0, 128)] = rng.choice(list(b"(){}'\",:\\\n\0\xff 9-"))
+        with zipfile.ZipFile(path, "w", flags) as archive:
+            for name, data in {**members, "stamp.npy": bytes(garbled)}.items():
+                archive.writestr(name, data)
+        try:
+            assert len(load_interaction(path)) == 5  # a space may be another space
+        except DataError as refused:
+            assert "garbled.npz" in str(refused)
+
+
+def test_garbled_compressed_data_are_refused(tmp_path: Path) -> None:
+    recording().save(tmp_path / "whole.npz")
+    with zipfile.ZipFile(tmp_path / "whole.npz") as whole, zipfile.ZipFile(tmp_path / "a.npz", "w", 8) as archive:
+        for name in whole.namelist():
+            archive.writestr(name, whole.read(name))
+    data = (tmp_path / "a.npz").read_bytes()
+    assert len(load_interaction(tmp_path / "a.npz")) == 40
+    for k in range(40, len(data) - 300, 7):
+        (tmp_path / "b.npz").write_bytes(data[:k] + bytes([data[k] ^ 0x55]) + data[k + 1 :])
+        try:
+            np.testing.assert_array_equal(load_interaction(tmp_path / "b.npz").partner, recording().partner)
+        except DataError:
+            continue
+
+
 def test_a_bomb_is_refused_before_it_is_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lfdcore.datasets.interaction.LARGEST", 2**20)
     with zipfile.ZipFile(tmp_path / "bomb.npz", "w", zipfile.ZIP_DEFLATED) as archive:
