@@ -86,7 +86,8 @@ void bind_hmm(py::module_& m) {
       "Which task a partner has begun (Sec. 6.2.2): a hidden Markov model, left to right through the phase steps of "
       "each primitive. A sample advances by 0 with probability `pause`, else by a Poisson number of steps, S - 1 in "
       "`samples` samples on average; the last step holds until it is left. Samples are diagonal Gaussians around a "
-      "step's mean; in 'none of them' they have a constant density. Forward filter in log space.")
+      "step's mean; in 'none of them' they have a constant density. Forward filter in log space. Positions and their "
+      "differences from the sample before, side by side, tell tasks apart sooner than positions.")
       .def(py::init([=](std::vector<SequencePrimitive> primitives, Eigen::VectorXd background_density,
                         const Config& config) {
              return shared(SequenceHmm(std::move(primitives), std::move(background_density), config));
@@ -101,8 +102,9 @@ void bind_hmm(py::module_& m) {
             return shared(SequenceHmm::fit(demonstrations, config));
           },
           py::arg("demonstrations"), py::arg("config") = Config{},
-          "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid, "
-          "their mean; their variance (unbiased, averaged with its mean over the phase) times `widening`, plus a "
+          "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid and "
+          "once aligned with their mean by DTW; their variance (unbiased, averaged with its mean over the phase) times "
+          "`widening`, plus a "
           "step's extent, at least `least_deviation` squared. ValueError for none, other shapes and what is not finite "
           "and within 1e100, naming primitive and demonstration.")
       .def(

@@ -11,35 +11,67 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-LFDCORE_CLONES void absolute_difference(const double* __restrict a, const double* __restrict b, int count,
-                                        double* __restrict out) {
-  for (int r = 0; r < count; ++r) out[r] = std::abs(a[r] - b[r]);
+// Cells of an anti-diagonal; between the dimensions of a and of b lie `rows` and `columns` values.
+struct Diagonal {
+  int count;
+  std::ptrdiff_t rows, columns;
+};
+
+// Always inlined, so that `take` compiles them for each instruction set.
+#define LFDCORE_INLINE inline __attribute__((always_inline))
+
+// last[r] is the cell left of r, last[r - 1] the one above, before[r - 1] the one above left.
+LFDCORE_INLINE double least_before(const double* last, const double* before, int r) {
+  const double straight = last[r] < last[r - 1] ? last[r] : last[r - 1];
+  return straight < before[r - 1] ? straight : before[r - 1];
 }
 
-LFDCORE_CLONES void add_square(const double* __restrict a, const double* __restrict b, int count,
-                               double* __restrict out) {
-  for (int r = 0; r < count; ++r) out[r] += (a[r] - b[r]) * (a[r] - b[r]);
-}
-
-// Two dimensions at once: half the traffic with the sums.
-LFDCORE_CLONES void add_squares(const double* __restrict a, const double* __restrict b, const double* __restrict a2,
-                                const double* __restrict b2, int count, double* __restrict out) {
-  for (int r = 0; r < count; ++r) {
-    const double first = (a[r] - b[r]) * (a[r] - b[r]);
-    out[r] = out[r] + first + (a2[r] - b2[r]) * (a2[r] - b2[r]);
+template <int D>
+LFDCORE_INLINE void take_few(const Diagonal& at, const double* __restrict a, const double* __restrict b,
+                             const double* __restrict last, const double* __restrict before,
+                             double* __restrict current) {
+  for (int r = 0; r < at.count; ++r) {
+    double squared = 0;
+    for (int d = 0; d < D; ++d) {
+      const double difference = a[d * at.rows + r] - b[d * at.columns + r];
+      squared += difference * difference;
+    }
+    current[r] = std::sqrt(squared) + least_before(last, before, r);
   }
 }
 
-LFDCORE_CLONES void square_roots(double* __restrict values, int count) {
-  for (int r = 0; r < count; ++r) values[r] = std::sqrt(values[r]);
+LFDCORE_INLINE void take_one(const Diagonal& at, const double* __restrict a, const double* __restrict b,
+                             const double* __restrict last, const double* __restrict before,
+                             double* __restrict current) {
+  for (int r = 0; r < at.count; ++r) current[r] = std::abs(a[r] - b[r]) + least_before(last, before, r);
 }
 
-// last[r] is the cell left of r, last[r - 1] the one above, before[r - 1] the one above left.
-LFDCORE_CLONES void accumulate(const double* __restrict cost, const double* __restrict last,
-                               const double* __restrict before, int count, double* __restrict current) {
-  for (int r = 0; r < count; ++r) {
-    const double straight = last[r] < last[r - 1] ? last[r] : last[r - 1];
-    current[r] = cost[r] + (straight < before[r - 1] ? straight : before[r - 1]);
+LFDCORE_INLINE void take_many(const Diagonal& at, int dimensions, const double* __restrict a,
+                              const double* __restrict b, const double* __restrict last,
+                              const double* __restrict before, double* __restrict current) {
+  for (int r = 0; r < at.count; ++r) current[r] = 0;
+  for (int d = 0; d < dimensions; ++d, a += at.rows, b += at.columns)
+    for (int r = 0; r < at.count; ++r) current[r] += (a[r] - b[r]) * (a[r] - b[r]);
+  for (int r = 0; r < at.count; ++r) current[r] = std::sqrt(current[r]) + least_before(last, before, r);
+}
+
+LFDCORE_CLONES void take(const Diagonal& at, int dimensions, const double* a, const double* b, const double* last,
+                         const double* before, double* current) {
+  switch (dimensions) {
+    case 1:
+      return take_one(at, a, b, last, before, current);
+    case 2:
+      return take_few<2>(at, a, b, last, before, current);
+    case 3:
+      return take_few<3>(at, a, b, last, before, current);
+    case 4:
+      return take_few<4>(at, a, b, last, before, current);
+    case 6:
+      return take_few<6>(at, a, b, last, before, current);
+    case 7:
+      return take_few<7>(at, a, b, last, before, current);
+    default:
+      return take_many(at, dimensions, a, b, last, before, current);
   }
 }
 
@@ -58,7 +90,6 @@ DtwDiagonals::DtwDiagonals(const RowMatrix& a, const RowMatrix& b, int window)
   Eigen::Map<RowMatrix>(a_.data(), a.cols(), a.rows()) = a.transpose();
   Eigen::Map<RowMatrix>(b_.data(), b.cols(), b.rows()) = b.colwise().reverse().transpose();
   for (auto* diagonal : {&current_, &last_, &before_last_}) diagonal->resize(strip_height + 3);
-  costs_.resize(strip_height);
   nothing_above_.assign(static_cast<std::size_t>(columns_), inf);
 }
 
@@ -78,22 +109,9 @@ void DtwDiagonals::sweep(const Strip& strip) {
     current_[static_cast<std::size_t>(hi) + 2] = inf;
     current_[static_cast<std::size_t>(lo)] = lo == 0 && k + 1 < columns_ ? strip.above[k + 1] : inf;
     if (count > 0) {
-      const double* a = a_.data() + strip.first_row + lo;
-      const double* b = b_.data() + (columns_ - 1 - k + lo);
-      if (dimensions_ == 1) {
-        absolute_difference(a, b, count, costs_.data());
-      } else {
-        std::fill_n(costs_.begin(), count, 0.0);
-        int d = 0;
-        for (; d + 1 < dimensions_; d += 2)
-          add_squares(a + d * std::ptrdiff_t{rows_}, b + d * std::ptrdiff_t{columns_},
-                      a + (d + 1) * std::ptrdiff_t{rows_}, b + (d + 1) * std::ptrdiff_t{columns_}, count,
-                      costs_.data());
-        if (d < dimensions_)
-          add_square(a + d * std::ptrdiff_t{rows_}, b + d * std::ptrdiff_t{columns_}, count, costs_.data());
-        square_roots(costs_.data(), count);
-      }
-      accumulate(costs_.data(), last_.data() + lo + 1, before_last_.data() + lo + 1, count, current_.data() + lo + 1);
+      const std::size_t first = static_cast<std::size_t>(lo) + 1;
+      take({count, rows_, columns_}, dimensions_, &a_[static_cast<std::size_t>(strip.first_row + lo)],
+           &b_[static_cast<std::size_t>(columns_ - 1 - k + lo)], &last_[first], &before_last_[first], &current_[first]);
       for (int r = std::max(lo, strip.first_kept); r <= hi; ++r)
         strip.rows[r * strip.pitch + k - r] = current_[static_cast<std::size_t>(r) + 1];
     }

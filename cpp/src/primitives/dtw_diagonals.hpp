@@ -36,7 +36,7 @@ class DtwDiagonals {
 
   int rows_, columns_, dimensions_, window_;
   std::vector<double> a_, b_;  // dimension after dimension; b backwards, so that both run forward along a diagonal
-  std::vector<double> costs_, current_, last_, before_last_, nothing_above_;
+  std::vector<double> current_, last_, before_last_, nothing_above_;
 };
 
 /// out[j] = |sample - column j of reference|, where reference holds `dimensions` rows of `count`, over the dimensions

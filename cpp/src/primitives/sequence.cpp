@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lfdcore/error.hpp"
+#include "lfdcore/primitives/dtw.hpp"
 #include "series_checks.hpp"
 
 namespace lfdcore {
@@ -68,23 +69,40 @@ RowMatrix extent_variance(const RowMatrix& mean) {
   return result;
 }
 
-SequencePrimitive fit_primitive(const std::vector<RowMatrix>& demonstrations, const Eigen::RowVectorXd& least_variance,
-                                const SequenceConfig& config) {
-  SequencePrimitive result;
-  const auto count = static_cast<double>(demonstrations.size());
-  result.mean = RowMatrix::Zero(config.phase_steps, demonstrations.front().cols());
-  result.variance = result.mean;
-  for (const RowMatrix& demonstration : demonstrations) {
-    result.mean += stretched(demonstration, config.phase_steps) / count;
-    result.samples += static_cast<double>(demonstration.rows()) / count;
+// (S, D): at each step of `mean` the average of what DTW finds to correspond to it, so that a demonstration's tempo
+// does not count. Distances are shares of the range.
+RowMatrix aligned(const RowMatrix& demonstration, const RowMatrix& mean, const Eigen::RowVectorXd& range) {
+  const int steps = static_cast<int>(mean.rows());
+  const Eigen::VectorXd scale = range.cwiseInverse();
+  const RowMatrix fine = stretched(demonstration, 4 * steps);
+  RowMatrix sum = RowMatrix::Zero(steps, mean.cols());
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(steps);
+  const WarpingPath path = dtw(fine * scale.asDiagonal(), mean * scale.asDiagonal()).path;
+  for (const auto& pair : path.rowwise()) {
+    sum.row(pair[1]) += fine.row(pair[0]);
+    count[pair[1]] += 1;
   }
-  for (const RowMatrix& demonstration : demonstrations)
-    result.variance +=
-        (stretched(demonstration, config.phase_steps) - result.mean).cwiseAbs2() / std::max(1.0, count - 1);
-  const Eigen::RowVectorXd average = result.variance.colwise().mean();
-  result.variance = config.widening / 2 * (result.variance.rowwise() + average) + extent_variance(result.mean);
-  result.variance = result.variance.cwiseMax(least_variance.replicate(config.phase_steps, 1));
-  return result;
+  return count.cwiseInverse().asDiagonal() * sum;
+}
+
+SequencePrimitive fit_primitive(const std::vector<RowMatrix>& demonstrations, const Eigen::RowVectorXd& range,
+                                const SequenceConfig& config) {
+  const auto count = static_cast<double>(demonstrations.size());
+  RowMatrix mean = RowMatrix::Zero(config.phase_steps, range.size()), variance = mean;
+  double samples = 0;
+  for (const RowMatrix& one : demonstrations) {
+    mean += stretched(one, config.phase_steps) / count;
+    samples += static_cast<double>(one.rows()) / count;
+  }
+  std::vector<RowMatrix> all;
+  for (const RowMatrix& one : demonstrations) all.push_back(aligned(one, mean, range));
+  mean.setZero();
+  for (const RowMatrix& one : all) mean += one / count;
+  for (const RowMatrix& one : all) variance += (one - mean).cwiseAbs2() / std::max(1.0, count - 1);
+  const Eigen::RowVectorXd average = variance.colwise().mean();
+  const Eigen::RowVectorXd least = (config.least_deviation * range).cwiseAbs2();
+  variance = config.widening / 2 * (variance.rowwise() + average) + extent_variance(mean);
+  return {mean, variance.cwiseMax(least.replicate(config.phase_steps, 1)), samples};
 }
 
 void check(const SequencePrimitive& primitive, Eigen::Index dimensions, const SequenceConfig& config,
@@ -160,8 +178,7 @@ SequenceHmm SequenceHmm::fit(const std::vector<std::vector<RowMatrix>>& demonstr
   for (Eigen::Index d = 0; d < dimensions; ++d)
     require(range[d] > 0, "dimension " + std::to_string(d) + " is the same in all samples of all demonstrations");
   std::vector<SequencePrimitive> primitives;
-  for (const auto& of_primitive : demonstrations)
-    primitives.push_back(fit_primitive(of_primitive, (config.least_deviation * range).cwiseAbs2(), config));
+  for (const auto& of_primitive : demonstrations) primitives.push_back(fit_primitive(of_primitive, range, config));
   return {std::move(primitives), (config.background_width * range).cwiseInverse(), config};
 }
 

@@ -18,7 +18,7 @@ struct SequenceConfig {
   double start = 0.02;            ///< P("none of them" -> the beginning of a primitive), [0, 1]
   double none_prior = 0.1;        ///< P("none of them" at the first sample), [0, 1)
   double background_width = 1.5;  ///< "none of them" is uniform over this many times the demonstrations' range, > 0
-  double widening = 2.0;          ///< factor on the demonstrations' variance: a few of them show too little of it, > 0
+  double widening = 1.0;          ///< factor on the demonstrations' variance: more refuses less, > 0
   double least_deviation = 0.02;  ///< least standard deviation, as a share of the demonstrations' range, > 0
 };
 
@@ -45,7 +45,9 @@ struct SequenceBelief {
 /// Left to right through the steps of each primitive: a sample advances by 0 with probability `pause`, else by a
 /// Poisson-distributed number of steps; the mean is S - 1 steps in `samples` samples, slower and faster partners are
 /// the distribution's tails. The last step holds until it is left. Samples are independent Gaussians around a step's
-/// mean, diagonal; in "none of them" they have a constant density. Forward filter in log space; one caller at a time.
+/// mean, diagonal; in "none of them" they have a constant density. Positions
+/// and their differences from the sample before, side by side, tell tasks apart sooner than positions. Forward filter
+/// in log space; one caller at a time.
 class SequenceHmm {
  public:
   /// `background_density` [1 / unit] (D,): that of "none of them" in each dimension. Throws std::invalid_argument for
