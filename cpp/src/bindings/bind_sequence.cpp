@@ -1,0 +1,158 @@
+#include <mutex>
+#include <utility>
+
+#include "common.hpp"
+#include "lfdcore/primitives/sequence.hpp"
+
+namespace lfdcore {
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Config = SequenceConfig;
+
+// A filter has one state: calls from several threads wait for each other.
+struct SharedHmm {
+  SequenceHmm hmm;
+  std::mutex busy{};
+};
+
+Config config_of(int phase_steps, double pause, double finish, double chain, double abandon, double start,
+                 double none_prior, double background_width, double widening, double least_deviation) {
+  const Config made{phase_steps, pause,      finish,           chain,    abandon,
+                    start,       none_prior, background_width, widening, least_deviation};
+  validate(made);
+  return made;
+}
+
+void bind_config(py::module_& m) {
+  const Config defaults;
+  py::class_<Config>(m, "SequenceConfig",
+                     "Transition probabilities (a sample's) and densities of SequenceHmm; none is learned. ValueError "
+                     "names a field.")
+      .def(py::init(&config_of), py::kw_only(), py::arg("phase_steps") = defaults.phase_steps,
+           py::arg("pause") = defaults.pause, py::arg("finish") = defaults.finish, py::arg("chain") = defaults.chain,
+           py::arg("abandon") = defaults.abandon, py::arg("start") = defaults.start,
+           py::arg("none_prior") = defaults.none_prior, py::arg("background_width") = defaults.background_width,
+           py::arg("widening") = defaults.widening, py::arg("least_deviation") = defaults.least_deviation)
+      .def_readonly("phase_steps", &Config::phase_steps, "S, states a primitive, 2..1000")
+      .def_readonly("pause", &Config::pause, "P(the partner stands still), [0, 1)")
+      .def_readonly("finish", &Config::finish, "P(a primitive's last step is left), (0, 1]")
+      .def_readonly("chain", &Config::chain, "P(another primitive begins at once | one was left), else none of them")
+      .def_readonly("abandon", &Config::abandon, "P(any other step -> none of them), [0, 1)")
+      .def_readonly("start", &Config::start, "P(none of them -> the beginning of a primitive), [0, 1]")
+      .def_readonly("none_prior", &Config::none_prior, "P(none of them at the first sample), [0, 1)")
+      .def_readonly("background_width", &Config::background_width,
+                    "none of them is uniform over this many times the demonstrations' range, > 0")
+      .def_readonly("widening", &Config::widening, "factor on the demonstrations' variance, > 0")
+      .def_readonly("least_deviation", &Config::least_deviation,
+                    "least standard deviation, as a share of the demonstrations' range, > 0")
+      .def(py::pickle(
+          [](const Config& c) {
+            return py::make_tuple(c.phase_steps, c.pause, c.finish, c.chain, c.abandon, c.start, c.none_prior,
+                                  c.background_width, c.widening, c.least_deviation);
+          },
+          [](const py::tuple& t) {
+            const auto number = [&](std::size_t i) { return t[i].cast<double>(); };
+            return config_of(t[0].cast<int>(), number(1), number(2), number(3), number(4), number(5), number(6),
+                             number(7), number(8), number(9));
+          }));
+}
+
+void bind_values(py::module_& m) {
+  py::class_<SequencePrimitive>(m, "SequencePrimitive", "A partner's movement over the phase grid s / (S - 1).")
+      .def(py::init([](RowMatrix mean, RowMatrix variance, double samples) {
+             return SequencePrimitive{std::move(mean), std::move(variance), samples};
+           }),
+           py::arg("mean"), py::arg("variance"), py::arg("samples"),
+           "mean (S, D), variance (S, D) > 0, samples >= 2: duration at tempo 1. Checked by SequenceHmm.")
+      .def_readonly("mean", &SequencePrimitive::mean, "(S, D), a view")
+      .def_readonly("variance", &SequencePrimitive::variance, "(S, D), a view")
+      .def_readonly("samples", &SequencePrimitive::samples);
+  py::class_<SequenceBelief>(m, "SequenceBelief", "What the filter knows after a sample.")
+      .def_readonly("probabilities", &SequenceBelief::probabilities, "(P,) that the partner is within each; a view")
+      .def_readonly("none", &SequenceBelief::none, "that it is in none of them; all sum to 1")
+      .def_readonly("steps", &SequenceBelief::steps, "(P, S) joint probabilities of primitive and phase step; a view")
+      .def_readonly("progress", &SequenceBelief::progress,
+                    "(P,) mean of s / (S - 1) given the primitive, NaN where its probability is 0; a view")
+      .def_readonly("recognised", &SequenceBelief::recognised,
+                    "the most probable, ties to the first primitive; -1 = none of them")
+      .def_readonly("log_likelihood", &SequenceBelief::log_likelihood, "ln p(all samples so far)");
+}
+
+void bind_hmm(py::module_& m) {
+  const auto shared = [](SequenceHmm hmm) { return std::make_unique<SharedHmm>(std::move(hmm)); };
+  py::class_<SharedHmm>(
+      m, "SequenceHmm",
+      "Which task a partner has begun (Sec. 6.2.2): a hidden Markov model, left to right through the phase steps of "
+      "each primitive. A sample advances by 0 with probability `pause`, else by a Poisson number of steps, S - 1 in "
+      "`samples` samples on average; the last step holds until it is left. Samples are diagonal Gaussians around a "
+      "step's mean; in 'none of them' they have a constant density. Forward filter in log space. Positions and their "
+      "differences from the sample before, side by side, tell tasks apart sooner than positions.")
+      .def(py::init([=](std::vector<SequencePrimitive> primitives, Eigen::VectorXd background_density,
+                        const Config& config) {
+             return shared(SequenceHmm(std::move(primitives), std::move(background_density), config));
+           }),
+           py::arg("primitives"), py::arg("background_density"), py::arg("config") = Config{},
+           "background_density (D,) [1 / unit]: of 'none of them' in each dimension. ValueError for no primitives and "
+           "for what does not fit or is not finite and positive.")
+      .def_static(
+          "fit",
+          [=](const std::vector<std::vector<RowMatrix>>& demonstrations, const Config& config) {
+            const py::gil_scoped_release free;
+            return shared(SequenceHmm::fit(demonstrations, config));
+          },
+          py::arg("demonstrations"), py::arg("config") = Config{},
+          "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid and "
+          "once aligned with their mean by DTW; their variance (unbiased, averaged with its mean over the phase) times "
+          "`widening`, plus a "
+          "step's extent, at least `least_deviation` squared. ValueError for none, other shapes and what is not finite "
+          "and within 1e100, naming primitive and demonstration.")
+      .def(
+          "observe",
+          [](SharedHmm& self, const Doubles& sample) {
+            const std::span<const double> at(sample.data(), static_cast<std::size_t>(sample.size()));
+            const py::gil_scoped_release free;
+            const std::lock_guard lock(self.busy);
+            return SequenceBelief(self.hmm.observe(at));
+          },
+          py::arg("sample"),
+          "One step of the forward filter with a sample (D,). NaN in a dimension: not seen, the others count; a sample "
+          "without any only lets time pass. ValueError, and it stays as it was, for another D and for what is infinite "
+          "or beyond 1e100.")
+      .def(
+          "reset",
+          [](SharedHmm& self) {
+            const std::lock_guard lock(self.busy);
+            self.hmm.reset();
+          },
+          "To the prior, before the first sample.")
+      .def_property_readonly("belief",
+                             [](SharedHmm& self) {
+                               const std::lock_guard lock(self.busy);
+                               return SequenceBelief(self.hmm.belief());
+                             })
+      .def(
+          "log_advances",
+          [](const SharedHmm& self, int primitive) {
+            if (primitive < 0 || primitive >= static_cast<int>(self.hmm.primitives().size()))
+              throw py::index_error("there is no primitive " + std::to_string(primitive));
+            const auto& log_p = self.hmm.log_advances(primitive);
+            return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(log_p.data(), static_cast<int>(log_p.size())));
+          },
+          py::arg("primitive"), "(K,) ln P(a sample advances by k = 0, 1, .. steps). IndexError for no such primitive.")
+      .def_property_readonly("primitives", [](const SharedHmm& self) { return self.hmm.primitives(); })
+      .def_property_readonly(
+          "background_density", [](const SharedHmm& self) { return self.hmm.background_density(); }, "(D,), a copy")
+      .def_property_readonly("config", [](const SharedHmm& self) { return self.hmm.config(); })
+      .def("__len__", [](const SharedHmm& self) { return self.hmm.primitives().size(); });
+}
+
+}  // namespace
+
+void bind_sequence(py::module_& m) {
+  bind_config(m);
+  bind_values(m);
+  bind_hmm(m);
+}
+
+}  // namespace lfdcore
