@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
-FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation"}
+FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "primitives"}
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
@@ -24,6 +24,7 @@ VOCABULARY = {"error", "geometry", "path", "motion"}
 MAY_INCLUDE = {
     "grid": set(),
     "estimation": set(),
+    "primitives": set(),
     "planning": {"grid"},
     "control": {"grid"},
     "simulation": {"grid"},

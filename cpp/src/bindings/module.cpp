@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, m) {
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
   auto estimation = m.def_submodule(
       "estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
+  auto primitives = m.def_submodule("primitives", "Dynamic movement primitives and interaction primitives.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -28,4 +29,6 @@ PYBIND11_MODULE(_core, m) {
   bind_rbf_network(estimation);
   bind_gaussian_process(estimation);
   bind_action_model(estimation);
+  bind_dmp(primitives);
+  bind_interaction_primitive(primitives);
 }
