@@ -21,11 +21,11 @@ MAY_IMPORT = {
     "cli": FACADES | {"datasets", "wheelchair", "humanoid", "training", "study"},
     "__main__": {"cli"},
 }
-VOCABULARY = {"error", "geometry", "path", "motion"}
+VOCABULARY = {"error", "geometry", "path", "motion", "row_matrix"}
 MAY_INCLUDE = {
     "grid": set(),
     "estimation": set(),
-    "primitives": {"estimation"},
+    "primitives": set(),
     "planning": {"grid"},
     "control": {"grid"},
     "simulation": {"grid"},

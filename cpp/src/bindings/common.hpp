@@ -26,6 +26,8 @@ void bind_gaussian_process(py::module_& m);
 void bind_action_model(py::module_& m);
 void bind_dtw(py::module_& m);
 void bind_sequence(py::module_& m);
+void bind_dmp(py::module_& m);
+void bind_interaction_primitive(py::module_& m);
 
 using without_gil = py::call_guard<py::gil_scoped_release>;
 

@@ -34,4 +34,6 @@ PYBIND11_MODULE(_core, m) {
   bind_action_model(estimation);
   bind_dtw(primitives);
   bind_sequence(primitives);
+  bind_dmp(primitives);
+  bind_interaction_primitive(primitives);
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore::detail {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore::detail {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lfdcore/estimation/belief.hpp"
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 

@@ -1,7 +1,7 @@
 // A Gaussian over the place where the driver is going.
 #pragma once
 
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 

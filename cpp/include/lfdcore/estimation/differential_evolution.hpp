@@ -6,7 +6,7 @@
 #include <span>
 
 #include "lfdcore/estimation/gaussian_process_likelihood.hpp"
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 

@@ -1,7 +1,7 @@
 // Radial basis function networks built greedily (App. C.1, Alg. 5 as corrected by ERRATA 45), with a 0 prior.
 #pragma once
 
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lfdcore/estimation/row_matrix.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 
