@@ -25,7 +25,7 @@ def info(
 def _facts(file: Path) -> dict[str, Any]:
     if not file.exists():
         raise FileNotFoundError(2, "no such file", str(file))
-    from lfdcore.wheelchair.tensor_file import is_tensor_file
+    from lfdcore.datasets.tensor_file import is_tensor_file
 
     if file.suffix == ".safetensors" or is_tensor_file(file):
         return _model_facts(file)
@@ -36,7 +36,7 @@ def _facts(file: Path) -> dict[str, Any]:
 
 def _model_facts(file: Path) -> dict[str, Any]:
     from lfdcore.wheelchair.models import load_any_model
-    from lfdcore.wheelchair.tensor_file import tensor_file_format
+    from lfdcore.datasets.tensor_file import tensor_file_format
 
     model = load_any_model(file)
     return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}

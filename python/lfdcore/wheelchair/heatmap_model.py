@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lfdcore.errors import ModelError
 from lfdcore.wheelchair.joystick_model import JoystickModel
 from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
-from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
+from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:

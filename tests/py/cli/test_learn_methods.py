@@ -15,7 +15,7 @@ from lfdcore.study.driving import models_by_method
 from lfdcore.study.heatmap_demonstrations import drive_to_destinations
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
-from lfdcore.wheelchair.tensor_file import write_tensor_file
+from lfdcore.datasets.tensor_file import write_tensor_file
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from heatmap_drives import corridor_log

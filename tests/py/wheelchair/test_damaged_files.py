@@ -18,7 +18,7 @@ from lfdcore.wheelchair.joystick_model import (
     JoystickPrior,
 )
 from lfdcore.wheelchair.models import full_deflection_of, load_model
-from lfdcore.wheelchair.tensor_file import read_tensor_file, write_tensor_file
+from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 
 ARRAYS = {"one": np.arange(5.0), "two": np.arange(6, dtype=np.uint8).reshape(2, 3)}
 

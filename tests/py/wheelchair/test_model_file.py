@@ -14,7 +14,7 @@ from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.errors import ModelError
 from lfdcore.wheelchair.model_file import KIND, VERSION, DriveAssistantModel, LearningConfig, learn_drive
-from lfdcore.wheelchair.tensor_file import read_tensor_file, write_tensor_file
+from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 
 
 @pytest.fixture

@@ -1,0 +1,82 @@
+"""Columns that a primitive can learn: orientations as three numbers near a reference (Sec. 5.6, ERRATA 44)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lfdcore.primitives import imaginary_parts, mean_orientation, quaternions_from_imaginary
+
+Array = NDArray[np.float64]
+_PARTS = ("qx", "qy", "qz", "qw")
+
+
+@dataclass(frozen=True)
+class PoseColumns:
+    """Recorded columns (T, r) <-> learned columns (T, r'): four columns X.qx, X.qy, X.qz, X.qw, next to each other, of a
+    unit quaternion become the three imaginary parts of its rotation from a reference; others stay as they are."""
+
+    names: tuple[str, ...]
+    """(r,) as recorded"""
+    references: tuple[tuple[float, float, float, float], ...]
+    """x y z w of each quaternion among them, in their order"""
+
+    def __post_init__(self) -> None:
+        found = len(self.quaternions)
+        if found != len(self.references):
+            raise ValueError(f"{len(self.references)} references for {found} quaternions in {', '.join(self.names)}")
+
+    @staticmethod
+    def of(names: Sequence[str], motions: Sequence[ArrayLike]) -> PoseColumns:
+        """With the mean orientations of recorded motions [(T_j, r)] as references. ValueError for a quaternion that lacks
+        one of its columns, and as mean_orientation."""
+        places = _quaternions(tuple(names))
+        arrays = [np.asarray(motion, np.float64) for motion in motions]
+        means = [mean_orientation(np.concatenate([a[:, k : k + 4] for a in arrays])) for k in places]
+        return PoseColumns(tuple(names), tuple((q[0], q[1], q[2], q[3]) for q in (m.tolist() for m in means)))
+
+    @property
+    def quaternions(self) -> tuple[int, ...]:
+        """Where each quaternion's four columns begin."""
+        return _quaternions(self.names)
+
+    def learned(self, recorded: ArrayLike) -> Array:
+        """(T, r) -> (T, r'). ValueError for another r and as imaginary_parts."""
+        given = np.asarray(recorded, np.float64)
+        if given.ndim != 2 or given.shape[1] != len(self.names):
+            raise ValueError(f"motion has shape {given.shape}, must be (T, {len(self.names)}): {', '.join(self.names)}")
+        parts, done = [], 0
+        for k, reference in zip(self.quaternions, self.references, strict=True):
+            parts += [given[:, done:k], imaginary_parts(given[:, k : k + 4], reference)]
+            done = k + 4
+        return np.concatenate([*parts, given[:, done:]], axis=1)
+
+    def recorded(self, learned: ArrayLike) -> Array:
+        """(T, r') -> (T, r): quaternions of length 1. ValueError for another r'."""
+        given, width = np.asarray(learned, np.float64), len(self.names) - len(self.references)
+        if given.ndim != 2 or given.shape[1] != width:
+            raise ValueError(f"motion has shape {given.shape}, must be (T, {width})")
+        parts, done = [], 0
+        for number, (k, reference) in enumerate(zip(self.quaternions, self.references, strict=True)):
+            at = k - number
+            parts += [given[:, done:at], quaternions_from_imaginary(given[:, at : at + 3], reference)]
+            done = at + 3
+        return np.concatenate([*parts, given[:, done:]], axis=1)
+
+
+def _quaternions(names: tuple[str, ...]) -> tuple[int, ...]:
+    found = []
+    for k, name in enumerate(names):
+        prefix, _, part = name.rpartition(".")
+        if part not in _PARTS:
+            continue
+        if part == "qx":
+            found.append(k)
+        begin = k - _PARTS.index(part)
+        wanted = tuple(f"{prefix}.{one}" for one in _PARTS)
+        if begin < 0 or names[begin : begin + 4] != wanted:
+            raise ValueError(f"column {name} stands alone, {', '.join(wanted)} must follow each other")
+    return tuple(found)
