@@ -78,6 +78,7 @@ class SequenceHmm {
 
  private:
   void predict();
+  void advance(Eigen::Index p);
   void weigh(std::span<const double> sample);
   double emission(const SequencePrimitive& primitive, Eigen::Index step, std::span<const double> sample) const;
   void summarise();
