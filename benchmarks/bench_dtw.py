@@ -1,7 +1,7 @@
 """Dynamic time warping of 500 x 500 samples against dtaidistance's C, in 1, 6 and 3 dimensions; open-end steps.
 
-Both sum Euclidean distances; theirs without pruning, since ours bounds nothing either. One thread each; times are of the process,
-interleaved, medians. Run: python benchmarks/bench_dtw.py [--rounds N]
+Both sum Euclidean distances; theirs without pruning, since ours bounds nothing either. One thread each; times are
+of the process, interleaved, medians. Run: python benchmarks/bench_dtw.py [--rounds N]
 """
 
 import argparse
