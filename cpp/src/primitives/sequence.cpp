@@ -105,6 +105,29 @@ SequencePrimitive fit_primitive(const std::vector<RowMatrix>& demonstrations, co
   return {mean, variance.cwiseMax(least.replicate(config.phase_steps, 1)), samples};
 }
 
+// (D,) what all samples of all demonstrations extend over.
+Eigen::RowVectorXd checked_range(const std::vector<std::vector<RowMatrix>>& demonstrations) {
+  require(!demonstrations.empty(), "there are no primitives, must be one at least");
+  Eigen::RowVectorXd low, high;
+  for (std::size_t p = 0; p < demonstrations.size(); ++p) {
+    require(!demonstrations[p].empty(), "primitive " + std::to_string(p) + " has no demonstrations");
+    for (std::size_t i = 0; i < demonstrations[p].size(); ++i) {
+      const RowMatrix& one = demonstrations[p][i];
+      const std::string name = "demonstration " + std::to_string(i) + " of primitive " + std::to_string(p);
+      detail::require_series(name, one);
+      require(one.rows() > 1, name + " has 1 sample, must have 2 at least");
+      if (low.size() == 0) low = high = one.row(0);
+      require(one.cols() == low.size(),
+              name + " has " + std::to_string(one.cols()) + " dimensions, the first " + std::to_string(low.size()));
+      low = low.cwiseMin(one.colwise().minCoeff());
+      high = high.cwiseMax(one.colwise().maxCoeff());
+    }
+  }
+  for (Eigen::Index d = 0; d < low.size(); ++d)
+    require(high[d] > low[d], "dimension " + std::to_string(d) + " is the same in all samples of all demonstrations");
+  return high - low;
+}
+
 void check(const SequencePrimitive& primitive, Eigen::Index dimensions, const SequenceConfig& config,
            const std::string& name) {
   const auto fits = [&](const RowMatrix& m) { return m.rows() == config.phase_steps && m.cols() == dimensions; };
@@ -151,32 +174,13 @@ SequenceHmm::SequenceHmm(std::vector<SequencePrimitive> primitives, Eigen::Vecto
   predicted_ = belief_.steps = log_alpha_;
   belief_.probabilities.resize(count);
   belief_.progress.resize(count);
-  terms_.resize(std::max(static_cast<std::size_t>(config.phase_steps), longest) + static_cast<std::size_t>(count) + 2);
+  terms_.resize(longest);
   reset();
 }
 
 SequenceHmm SequenceHmm::fit(const std::vector<std::vector<RowMatrix>>& demonstrations, const SequenceConfig& config) {
   validate(config);
-  require(!demonstrations.empty(), "there are no primitives, must be one at least");
-  require(!demonstrations.front().empty(), "primitive 0 has no demonstrations");
-  const Eigen::Index dimensions = demonstrations.front().front().cols();
-  Eigen::RowVectorXd low = Eigen::RowVectorXd::Constant(dimensions, detail::largest_sample), high = -low;
-  for (std::size_t p = 0; p < demonstrations.size(); ++p) {
-    require(!demonstrations[p].empty(), "primitive " + std::to_string(p) + " has no demonstrations");
-    for (std::size_t i = 0; i < demonstrations[p].size(); ++i) {
-      const RowMatrix& one = demonstrations[p][i];
-      const std::string name = "demonstration " + std::to_string(i) + " of primitive " + std::to_string(p);
-      detail::require_series(name, one);
-      require(one.rows() > 1, name + " has 1 sample, must have 2 at least");
-      require(one.cols() == dimensions,
-              name + " has " + std::to_string(one.cols()) + " dimensions, the first " + std::to_string(dimensions));
-      low = low.cwiseMin(one.colwise().minCoeff());
-      high = high.cwiseMax(one.colwise().maxCoeff());
-    }
-  }
-  const Eigen::RowVectorXd range = high - low;
-  for (Eigen::Index d = 0; d < dimensions; ++d)
-    require(range[d] > 0, "dimension " + std::to_string(d) + " is the same in all samples of all demonstrations");
+  const Eigen::RowVectorXd range = checked_range(demonstrations);
   std::vector<SequencePrimitive> primitives;
   for (const auto& of_primitive : demonstrations) primitives.push_back(fit_primitive(of_primitive, range, config));
   return {std::move(primitives), (config.background_width * range).cwiseInverse(), config};
@@ -207,36 +211,40 @@ const SequenceBelief& SequenceHmm::observe(std::span<const double> sample) {
 // alpha_t|t-1 = T' alpha_t-1
 void SequenceHmm::predict() {
   const auto count = log_alpha_.rows(), last = log_alpha_.cols() - 1;
-  const double stays = std::log1p(-config_.abandon), abandons = std::log(config_.abandon);
   double finished = impossible, abandoned = impossible;
   for (Eigen::Index p = 0; p < count; ++p) {
-    const auto& log_p = log_advances_[static_cast<std::size_t>(p)];
-    const auto reach = static_cast<Eigen::Index>(log_p.size()) - 1;
     finished = log_sum(finished, log_alpha_(p, last));
     abandoned = log_sum(abandoned, log_sum({log_alpha_.row(p).data(), static_cast<std::size_t>(last)}));
-    for (Eigen::Index s = 0; s < last; ++s) {
-      const Eigen::Index most = std::min(reach, s);
-      for (Eigen::Index k = 0; k <= most; ++k)
-        terms_[static_cast<std::size_t>(k)] = log_alpha_(p, s - k) + log_p[static_cast<std::size_t>(k)];
-      predicted_(p, s) = stays + log_sum({terms_.data(), static_cast<std::size_t>(most) + 1});
-    }
-    // The last step takes all advances to it or beyond.
-    std::size_t held = 0;
-    double beyond = impossible;
-    for (Eigen::Index k = reach; k >= 1; --k) {
-      beyond = log_sum(beyond, log_p[static_cast<std::size_t>(k)]);
-      if (k <= last) terms_[held++] = stays + log_alpha_(p, last - k) + beyond;
-    }
-    terms_[held++] = std::log1p(-config_.finish) + log_alpha_(p, last);
-    predicted_(p, last) = log_sum({terms_.data(), held});
+    advance(p);
   }
   finished += std::log(config_.finish);
   const double begins = log_sum(finished + std::log(config_.chain), log_none_ + std::log(config_.start)) -
                         std::log(static_cast<double>(count));
   for (Eigen::Index p = 0; p < count; ++p) predicted_(p, 0) = log_sum(predicted_(p, 0), begins);
   log_none_ = log_sum(log_none_ + std::log1p(-config_.start),
-                      log_sum(finished + std::log1p(-config_.chain), abandoned + abandons));
+                      log_sum(finished + std::log1p(-config_.chain), abandoned + std::log(config_.abandon)));
   log_alpha_.swap(predicted_);
+}
+
+// Within primitive p; its last step takes all advances to it or beyond.
+void SequenceHmm::advance(Eigen::Index p) {
+  const auto& log_p = log_advances_[static_cast<std::size_t>(p)];
+  const auto last = log_alpha_.cols() - 1, reach = static_cast<Eigen::Index>(log_p.size()) - 1;
+  const double stays = std::log1p(-config_.abandon);
+  for (Eigen::Index s = 0; s < last; ++s) {
+    const Eigen::Index most = std::min(reach, s);
+    for (Eigen::Index k = 0; k <= most; ++k)
+      terms_[static_cast<std::size_t>(k)] = log_alpha_(p, s - k) + log_p[static_cast<std::size_t>(k)];
+    predicted_(p, s) = stays + log_sum({terms_.data(), static_cast<std::size_t>(most) + 1});
+  }
+  std::size_t held = 0;
+  double beyond = impossible;
+  for (Eigen::Index k = reach; k >= 1; --k) {
+    beyond = log_sum(beyond, log_p[static_cast<std::size_t>(k)]);
+    terms_[held++] = stays + log_alpha_(p, last - k) + beyond;
+  }
+  terms_[held++] = std::log1p(-config_.finish) + log_alpha_(p, last);
+  predicted_(p, last) = log_sum({terms_.data(), held});
 }
 
 void SequenceHmm::weigh(std::span<const double> sample) {

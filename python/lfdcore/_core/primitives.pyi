@@ -250,7 +250,7 @@ class SequenceConfig:
         start: float = 0.02,
         none_prior: float = 0.1,
         background_width: float = 1.5,
-        widening: float = 1.0,
+        widening: float = 1.5,
         least_deviation: float = 0.02,
     ) -> None: ...
     @property

@@ -122,14 +122,23 @@ def observed(hmm: SequenceHmm, samples: Floats) -> SequenceBelief:
     return hmm.belief
 
 
-def test_three_tasks_are_recognised_after_30_percent_at_any_tempo() -> None:
-    hmm, random = learned(), np.random.default_rng(1)
+@pytest.mark.parametrize(("from_start", "least"), [(False, 0.9), (True, 0.98)])
+def test_three_tasks_are_recognised_after_30_percent_at_any_tempo(from_start: bool, least: float) -> None:
+    """As tracked, or relative to where the hand was first, which takes the spread of the starts away."""
     right = []
-    for task, tempo, _ in itertools.product(range(TASKS), (0.6, 1.0, 1.6), range(10)):
-        samples = movement(task, random, int(SAMPLES / tempo))
-        right.append(observed(hmm, samples[: len(samples) * 3 // 10]).recognised == task)
-    assert len(right) == 90
-    assert np.mean(right) >= 0.9
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+
+        def task_movement(task: int, tempo: float = 1.0, random: np.random.Generator = random) -> Floats:
+            x = movement(task, random, int(SAMPLES / tempo))
+            return x - x[0] if from_start else x
+
+        hmm = SequenceHmm.fit([[task_movement(task) for _ in range(5)] for task in range(TASKS)])
+        for task, tempo, _ in itertools.product(range(TASKS), (0.6, 1.0, 1.6), range(3)):
+            samples = task_movement(task, tempo)
+            right.append(observed(hmm, samples[: len(samples) * 3 // 10]).recognised == task)
+    assert len(right) == 216
+    assert np.mean(right) >= least
 
 
 def test_another_movement_is_none_of_them() -> None:
@@ -152,18 +161,23 @@ def test_progress_follows_the_partner_also_through_a_pause_and_a_gap() -> None:
 
 
 def test_it_switches_when_one_task_ends_and_another_begins() -> None:
-    hmm, random = learned(), np.random.default_rng(4)
-    for first, second in itertools.permutations(range(TASKS), 2):
-        a, b = movement(first, random), movement(second, random)
-        back = np.linspace(a[-1], b[0], 40)  # the hand goes back to the start, which is none of the tasks
-        assert observed(hmm, a).recognised == first
-        assert observed(hmm, np.vstack([a, back, b[: len(b) // 2]])).recognised == second
+    first_right, second_right = [], []
+    for seed in range(8):
+        hmm, random = learned(seed), np.random.default_rng(seed + 100)
+        for first, second in itertools.permutations(range(TASKS), 2):
+            a, b = movement(first, random), movement(second, random)
+            back = np.linspace(a[-1], b[0], 40)  # the hand goes back to the start, which is none of the tasks
+            first_right.append(observed(hmm, a).recognised == first)
+            second_right.append(observed(hmm, np.vstack([a, back, b[: len(b) // 2]])).recognised == second)
+    assert len(second_right) == 48
+    assert np.mean(first_right) >= 0.9
+    assert np.mean(second_right) >= 0.9
 
 
 @pytest.mark.realdata
 def test_lasa_shapes_are_recognised_after_30_percent(data_folder: Path) -> None:
-    """Three shapes a time as tasks, from a common start, learned from 5 demonstrations, tested on the other 2; samples are
-    positions and their differences. 25 draws of 455 triples; shapes of a fourth kind, watched whole, are refused."""
+    """Three shapes a time as tasks, from a common start, learned from 5 demonstrations, tested on the other 2; samples
+    are positions and their differences. 25 draws of 455 triples; shapes of a fourth kind, seen whole, are refused."""
     from scipy.io import loadmat
 
     random, shapes = np.random.default_rng(0), []

@@ -18,7 +18,7 @@ struct SequenceConfig {
   double start = 0.02;            ///< P("none of them" -> the beginning of a primitive), [0, 1]
   double none_prior = 0.1;        ///< P("none of them" at the first sample), [0, 1)
   double background_width = 1.5;  ///< "none of them" is uniform over this many times the demonstrations' range, > 0
-  double widening = 1.0;          ///< factor on the demonstrations' variance: more refuses less, > 0
+  double widening = 1.5;          ///< factor on the demonstrations' variance, > 0: a few of them show too little of it
   double least_deviation = 0.02;  ///< least standard deviation, as a share of the demonstrations' range, > 0
 };
 
@@ -78,6 +78,7 @@ class SequenceHmm {
 
  private:
   void predict();
+  void advance(Eigen::Index p);
   void weigh(std::span<const double> sample);
   double emission(const SequencePrimitive& primitive, Eigen::Index step, std::span<const double> sample) const;
   void summarise();
