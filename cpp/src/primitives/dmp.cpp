@@ -60,11 +60,8 @@ Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const
   require_size("goal", goal.size(), positions.cols());
   detail::require_positions(positions, "positions");
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(positions.rows(), 0, 1);
-  Series forcing(positions.rows(), positions.cols());
-  for (Eigen::Index d = 0; d < positions.cols(); ++d)  // 5.3 = 5.12 without the goal's part
-    forcing.col(d) =
-        detail::observed_forcing(positions.col(d), time, config).array() - config.stiffness * config.damping * goal[d];
-  return forcing;
+  const Eigen::MatrixXd forcing = detail::observed_forcing(positions, time, config);
+  return forcing.rowwise() - config.stiffness * config.damping * goal.transpose();  // 5.3 = 5.12 less the goal's part
 }
 
 Dmp Dmp::fit(const Series& positions, const DmpConfig& config) {
