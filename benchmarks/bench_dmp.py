@@ -5,7 +5,7 @@ velocities) and movement_primitives' open loop. Ours gives positions, velocities
 own basis functions, so that outputs are compared after fitting our motion's samples with them (ProDMP by least squares
 over its own response; movement_primitives by its imitate). With LFDCORE_DATA the reproduction error of 15 handwriting
 shapes (Khansari-Zadeh and Billard 2011). One thread each; interleaved, medians.
-Run: pip install 'mp-pytorch' 'addict' 'movement-primitives' 'pytransform3d'; python benchmarks/bench_dmp.py [--rounds N]
+Run: python benchmarks/bench_dmp.py [--rounds N]
 """
 
 import os
@@ -34,10 +34,10 @@ torch.set_num_threads(1)
 
 
 def seconds(work: Callable[[], object], times: int) -> float:
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(times):
         work()
-    return (time.perf_counter() - begin) / times
+    return (time.process_time() - begin) / times
 
 
 def motion() -> Floats:
@@ -114,7 +114,9 @@ def rollouts(rounds: int) -> None:
 def handwriting(folder: Path) -> None:
     from scipy.io import loadmat
 
-    print("LASA, 7 demonstrations a shape, 20 basis functions: RMS and largest error of the reproduction, % of the range")
+    print(
+        "LASA, 7 demonstrations a shape, 20 basis functions: RMS and largest error of the reproduction, % of the range"
+    )
     for path in sorted(folder.glob("*.mat")):
         errors = []
         for demo in loadmat(path)["demos"][0]:

@@ -37,8 +37,8 @@ double span_of(const DmpRun& run, double begin) {
     require_between("duration * rate", *run.duration * run.rate, 0, 1e4, "");
     return *run.duration * run.rate;
   }
-  require(begin < 1, "phase is " + std::to_string(run.phase) +
-                         ", at the motion's end or beyond: say the duration [s] of what follows");
+  require(begin < 1 - 1e-9, "phase is " + std::to_string(run.phase) +
+                                ", at the motion's end or beyond: say the duration [s] of what follows");
   return 1 - begin;
 }
 

@@ -9,8 +9,19 @@ from . import simulation
 from . import planning
 from . import control
 from . import estimation
+from . import primitives
 
-__all__: list[str] = ["DataError", "ModelError", "control", "estimation", "geometry", "grid", "planning", "simulation"]
+__all__: list[str] = [
+    "DataError",
+    "ModelError",
+    "control",
+    "estimation",
+    "geometry",
+    "grid",
+    "planning",
+    "primitives",
+    "simulation",
+]
 
 class DataError(RuntimeError):
     pass
