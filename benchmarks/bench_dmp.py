@@ -123,12 +123,16 @@ def handwriting(folder: Path) -> None:
             y = np.ascontiguousarray(demo["pos"][0, 0].T, float)
             its = DMP(2, 1.0, dt=1 / (len(y) - 1), n_weights_per_dim=20)
             its.imitate(np.linspace(0, 1, len(y)), y)
-            both = Dmp.fit(y).rollout(len(y)).positions, its.open_loop()[1][: len(y)]
+            made_by = [Dmp.fit(y, by=by).rollout(len(y)).positions for by in ("forcing", "positions")]
+            made_by.append(its.open_loop()[1][: len(y)])
             scale = 100 / np.ptp(y, axis=0).max()
-            away = [np.linalg.norm(made - y[: len(made)], axis=1) * scale for made in both]
+            away = [np.linalg.norm(made - y[: len(made)], axis=1) * scale for made in made_by]
             errors.append([f(a) for a in away for f in (lambda a: np.sqrt((a**2).mean()), np.max)])
         m = np.mean(errors, axis=0)
-        print(f"  {path.stem:16} lfdcore {m[0]:5.2f} {m[1]:6.2f}   movement_primitives {m[2]:5.2f} {m[3]:6.2f}")
+        print(
+            f"  {path.stem:16} lfdcore {m[0]:5.2f} {m[1]:6.2f}   fitted by positions {m[2]:5.2f} {m[3]:6.2f}   "
+            f"movement_primitives {m[4]:5.2f} {m[5]:6.2f}"
+        )
 
 
 def main() -> None:

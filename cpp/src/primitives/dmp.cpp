@@ -64,13 +64,36 @@ Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const
   return forcing.rowwise() - config.stiffness * config.damping * goal.transpose();  // 5.3 = 5.12 less the goal's part
 }
 
-Dmp Dmp::fit(const Series& positions, const DmpConfig& config) {
-  validate(config);
-  require_between("number of samples", double(positions.rows()), 3, 1e6, "samples");
+namespace {
+
+Dmp fit_forcing(const Series& positions, const DmpConfig& config) {
   const Eigen::VectorXd goal = positions.row(positions.rows() - 1);
   const Series forcing = forcing_terms(positions, goal, config);
   const Eigen::MatrixXd phi = basis(phases(static_cast<int>(positions.rows()), config), config);
   return Dmp(positions.row(0), goal, phi.completeOrthogonalDecomposition().solve(forcing).transpose(), config);  // 5.4
+}
+
+// The motion is linear in (w, g, y0). Late weights hardly move it: what is below the threshold stays 0.
+Dmp fit_motion(const Series& positions, const DmpConfig& config) {
+  constexpr double threshold = 1e-6;
+  const int steps = static_cast<int>(positions.rows());
+  const Eigen::Index M = config.basis_functions;
+  const Eigen::MatrixXd H = detail::response(config, steps, 0, 1)->transposed.topLeftCorner(M + 2, steps).transpose();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(H.rows(), H.cols());
+  decomposition.setThreshold(threshold);
+  decomposition.compute(H);
+  const Eigen::MatrixXd found = decomposition.solve(positions);
+  return Dmp(found.row(M + 1), found.row(M), found.topRows(M).transpose(), config);
+}
+
+}  // namespace
+
+Dmp Dmp::fit(const Series& positions, const DmpConfig& config, Observed by) {
+  validate(config);
+  require_between("number of samples", double(positions.rows()), 3, 1e6, "samples");
+  require(positions.cols() > 0, "positions have 0 dimensions, must have at least 1");
+  detail::require_positions(positions, "positions");
+  return by == Observed::forcing ? fit_forcing(positions, config) : fit_motion(positions, config);
 }
 
 DmpTrajectory Dmp::rollout(int steps, const DmpRun& run) const {

@@ -50,7 +50,7 @@ double observed_power(const Dmp& dmp, const Series& positions, Observed observe)
 Demonstration fitted(const Series& partner, const Series& robot, const InteractionPrimitiveConfig& config) {
   Series both(partner.rows(), partner.cols() + robot.cols());
   both << partner, robot;
-  const Dmp dmp = Dmp::fit(both, config.dmp);
+  const Dmp dmp = Dmp::fit(both, config.dmp, config.observe);
   const Series rest = residuals(dmp, both, config.observe).leftCols(partner.cols());
   return {flattened(dmp), dmp.start(), rest.squaredNorm(), observed_power(dmp, partner, config.observe), rest.size()};
 }

@@ -125,9 +125,9 @@ class Dmp:
     """
 
     @staticmethod
-    def fit(positions: numpy.typing.ArrayLike, config: DmpConfig = ...) -> Dmp:
+    def fit(positions: numpy.typing.ArrayLike, config: DmpConfig = ..., *, by: str = "forcing") -> Dmp:
         """
-        Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a run's rate gives it back. Least squares by an orthogonal decomposition (5.4, ERRATA 37); the goal is the last position. ValueError for fewer samples and values not finite or beyond 1e9.
+        Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a run's rate gives it back. by='forcing': least squares of 5.3 with differences as derivatives, the goal is the last position (5.4, ERRATA 37). by='positions': start, goal and weights are least squares of the motion from rest itself, without derivatives, which noise spoils. ValueError for fewer samples and values not finite or beyond 1e9.
         """
 
     def __init__(
@@ -195,7 +195,7 @@ class Dmp:
 
 class InteractionPrimitiveConfig:
     """
-    observe: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the variances are > 0.
+    observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the variances are > 0.
     """
 
     def __init__(

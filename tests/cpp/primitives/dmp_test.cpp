@@ -54,7 +54,7 @@ TEST(Dmp, steps_as_it_rolls_out) {
   const Dmp dmp = random_dmp(2);
   DmpStepper stepper = dmp.begin({.rate = 0.5});
   for (const double dt : {0.3, 0.01, 0.69, 1.0}) stepper.step(dt);
-  const auto end = dmp.rollout(2, {.rate = 0.5}).positions.row(1);
+  const Eigen::MatrixXd end = dmp.rollout(2, {.rate = 0.5}).positions.row(1);
   EXPECT_LT((stepper.position() - end.transpose()).cwiseAbs().maxCoeff(), 1e-9);
 }
 

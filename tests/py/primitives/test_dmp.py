@@ -127,6 +127,17 @@ def test_a_fit_gives_the_demonstration_back() -> None:
     assert np.abs(Dmp.fit(y).rollout(500).positions - y).max() < 0.01  # of a range of 1
 
 
+def test_a_fit_by_positions_stands_noise_that_spoils_derivatives() -> None:
+    y = reaching(200)
+    noisy = y + 0.01 * np.random.default_rng(0).normal(size=y.shape)
+    error = {
+        by: np.sqrt(((Dmp.fit(noisy, by=by).rollout(200).positions - y) ** 2).mean()) for by in ("forcing", "positions")
+    }
+    assert error["positions"] < 0.005  # 22 parameters of 200 samples: .01 sqrt(.11) = .0033
+    assert error["forcing"] > 5 * error["positions"]
+    assert np.abs(Dmp.fit(y, by="positions").rollout(200).positions - y).max() < 1e-3
+
+
 def test_the_weights_are_least_squares() -> None:
     y = reaching(120)
     dmp = Dmp.fit(y)
@@ -184,6 +195,8 @@ def test_handwriting_is_reproduced(data_folder: Path) -> None:
         (lambda: Dmp.fit(np.array([[0.0], [np.nan], [1]])), r"positions\[1, 0\] is nan"),
         (lambda: Dmp.fit(np.array([[0.0], [1e12], [1]])), r"positions\[1, 0\] is 1e\+12"),
         (lambda: Dmp.fit(np.zeros((5, 0))), "0 dimensions"),
+        (lambda: Dmp.fit(np.array([[0.0], [np.nan], [1]]), by="positions"), r"positions\[1, 0\] is nan"),
+        (lambda: Dmp.fit(np.zeros((5, 1)), by="speed"), "by is 'speed', must be forcing or positions"),
         (lambda: Dmp([0.0], [1.0, 2], np.zeros((1, 20))), "goal has 2 values, must have 1"),
         (lambda: Dmp([0.0], [1.0], np.zeros((1, 19))), "columns has 19 values, must have 20"),
         (lambda: Dmp([0.0], [np.inf], np.zeros((1, 20))), "finite"),

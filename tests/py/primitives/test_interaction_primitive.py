@@ -289,6 +289,21 @@ def test_the_default_noise_is_the_pooled_residual() -> None:
     assert model.config.noise == pytest.approx((np.array(rest) ** 2).mean(), rel=1e-6)
 
 
+def test_observing_positions_is_better_than_forcing_when_tracking_is_noisy() -> None:
+    (partner, _, boxes), (unseen, _, others) = motions(12), motions(6, seed=9)
+    t = np.linspace(0, 1, STEPS)[:, None]
+    shape = np.sin(np.pi * t**3 * (10 - 15 * t + 6 * t**2)) ** 2
+    robot, random, error = [height * shape for _, height in boxes], np.random.default_rng(0), {}
+    noisy = [y + 0.01 * random.normal(size=y.shape) for y in partner]
+    seen = [y[:80] + 0.01 * random.normal(size=(80, 2)) for y in unseen]
+    for observe in KINDS:
+        model = InteractionPrimitive.fit(noisy, robot, None, InteractionPrimitiveConfig(dmp=DMP, observe=observe))
+        made = [model.condition(y, phases(STEPS, DMP)[:80]).robot.rollout(STEPS).positions for y in seen]
+        truth = [height * shape for _, height in others]
+        error[observe] = np.sqrt(np.mean((np.array(made) - np.array(truth)) ** 2))
+    assert error["positions"] < 0.7 * error["forcing"], error
+
+
 def refusal(**changes: object) -> InteractionPrimitive:
     partner, robot, boxes = motions(4)
     given_ = {"partner": partner, "robot": robot, "environment": boxes} | changes
