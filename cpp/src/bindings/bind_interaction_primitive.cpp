@@ -4,6 +4,7 @@
 
 #include "common.hpp"
 #include "lfdcore/primitives/interaction_primitive.hpp"
+#include "observed.hpp"
 
 namespace lfdcore {
 namespace {
@@ -12,20 +13,12 @@ using Config = InteractionPrimitiveConfig;
 using OptionalVector = std::optional<Eigen::VectorXd>;
 using OptionalSeries = std::optional<Series>;
 
-Observed observed_of(const std::string& name) {
-  if (name == "forcing") return Observed::forcing;
-  if (name == "positions") return Observed::positions;
-  throw std::invalid_argument("observe is '" + name + "', must be forcing or positions");
-}
-
 Config config_of(const DmpConfig& dmp, const std::string& observe, std::optional<double> noise,
                  double environment_noise, bool printed_environment_weights) {
-  const Config config{dmp, observed_of(observe), noise, environment_noise, printed_environment_weights};
+  const Config config{dmp, observed_of("observe", observe), noise, environment_noise, printed_environment_weights};
   validate(config);
   return config;
 }
-
-const char* name_of(Observed observe) { return observe == Observed::forcing ? "forcing" : "positions"; }
 
 // An observer has one state: calls from several threads wait for each other.
 struct SharedObserver {
@@ -49,7 +42,8 @@ void bind_config(py::module_& m) {
   const Config defaults;
   py::class_<Config>(
       m, "InteractionPrimitiveConfig",
-      "observe: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of "
+      "observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', "
+      "which needs no derivatives. noise: sigma^2, a variance in the unit of "
       "what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, "
       "dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. "
       "printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian "

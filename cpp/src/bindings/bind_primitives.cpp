@@ -3,6 +3,7 @@
 
 #include "common.hpp"
 #include "lfdcore/primitives/dmp.hpp"
+#include "observed.hpp"
 
 namespace lfdcore {
 namespace {
@@ -114,10 +115,18 @@ void bind_dmp(py::module_& m) {
       .def(py::init<Eigen::VectorXd, Eigen::VectorXd, Series, const DmpConfig&>(), py::arg("start"), py::arg("goal"),
            py::arg("weights"), py::arg("config") = DmpConfig{},
            "start (D,), goal (D,), weights (D, M). ValueError for other shapes and what is not finite.")
-      .def_static("fit", &Dmp::fit, py::arg("positions"), py::arg("config") = DmpConfig{}, without_gil(),
-                  "Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a "
-                  "run's rate gives it back. Least squares by an orthogonal decomposition (5.4, ERRATA 37); the goal "
-                  "is the last position. ValueError for fewer samples and values not finite or beyond 1e9.")
+      .def_static(
+          "fit",
+          [](const Series& positions, const DmpConfig& config, const std::string& by) {
+            return Dmp::fit(positions, config, observed_of("by", by));
+          },
+          py::arg("positions"), py::arg("config") = DmpConfig{}, py::kw_only(),
+          py::arg("by") = name_of(Observed::forcing), without_gil(),
+          "Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a run's rate "
+          "gives it back. by='forcing': least squares of 5.3 with differences as derivatives, the goal is the last "
+          "position (5.4, ERRATA 37). by='positions': start, goal and weights are least squares of the motion from "
+          "rest itself, without derivatives, which noise spoils. ValueError for fewer samples and values not finite or "
+          "beyond 1e9.")
       .def(
           "rollout",
           [](const Dmp& self, int steps, double rate, double phase, OptionalVector position, OptionalVector velocity,

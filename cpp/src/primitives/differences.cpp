@@ -10,28 +10,42 @@ namespace lfdcore::detail {
 
 namespace {
 
-// The slope at t0 of the parabola through three samples.
-double slope(double t0, double ta, double ya, double tb, double yb, double tc, double yc) {
-  return ya * (2 * t0 - tb - tc) / ((ta - tb) * (ta - tc)) + yb * (2 * t0 - ta - tc) / ((tb - ta) * (tb - tc)) +
-         yc * (2 * t0 - ta - tb) / ((tc - ta) * (tc - tb));
-}
+/// Weights of three neighbours in the slope at each sample, second order inside and at the ends.
+struct Slopes {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> weights;
+
+  explicit Slopes(const Eigen::VectorXd& t) : weights(t.size(), 3) {
+    for (Eigen::Index k = 0; k < t.size(); ++k) {
+      const Eigen::Index m = middle(k);
+      const double left = t[m] - t[m - 1], right = t[m + 1] - t[m], at = t[k] - t[m], both = left + right;
+      weights(k, 0) = (2 * at - right) / (left * both);
+      weights(k, 2) = (2 * at + left) / (right * both);
+      weights(k, 1) = -weights(k, 0) - weights(k, 2);
+    }
+  }
+
+  Eigen::Index middle(Eigen::Index k) const { return std::clamp<Eigen::Index>(k, 1, weights.rows() - 2); }
+
+  void apply(const double* y, double* out) const {
+    for (Eigen::Index k = 0; k < weights.rows(); ++k) {
+      const Eigen::Index m = middle(k);
+      out[k] = weights(k, 0) * y[m - 1] + weights(k, 1) * y[m] + weights(k, 2) * y[m + 1];
+    }
+  }
+};
 
 }  // namespace
 
-Eigen::VectorXd derivative(const Eigen::Ref<const Eigen::VectorXd>& y, const Eigen::Ref<const Eigen::VectorXd>& t) {
-  const Eigen::Index last = y.size() - 1;
-  Eigen::VectorXd slopes(y.size());
-  for (Eigen::Index k = 0; k <= last; ++k) {
-    const Eigen::Index m = std::clamp<Eigen::Index>(k, 1, last - 1);
-    slopes[k] = slope(t[k], t[m - 1], y[m - 1], t[m], y[m], t[m + 1], y[m + 1]);
+Eigen::MatrixXd observed_forcing(const Eigen::MatrixXd& positions, const Eigen::VectorXd& time,
+                                 const DmpConfig& config) {
+  const Slopes slopes(time);
+  Eigen::MatrixXd velocity(positions.rows(), positions.cols()), forcing(positions.rows(), positions.cols());
+  for (Eigen::Index d = 0; d < positions.cols(); ++d) {
+    slopes.apply(positions.col(d).data(), velocity.col(d).data());
+    slopes.apply(velocity.col(d).data(), forcing.col(d).data());
   }
-  return slopes;
-}
-
-Eigen::VectorXd observed_forcing(const Eigen::Ref<const Eigen::VectorXd>& positions,
-                                 const Eigen::Ref<const Eigen::VectorXd>& time, const DmpConfig& config) {
-  const Eigen::VectorXd velocity = derivative(positions, time);
-  return derivative(velocity, time) + config.stiffness * (config.damping * positions + velocity);
+  forcing += config.stiffness * (config.damping * positions + velocity);
+  return forcing;
 }
 
 void require_positions(const Series& positions, const char* name) {

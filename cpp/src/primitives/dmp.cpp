@@ -37,8 +37,8 @@ double span_of(const DmpRun& run, double begin) {
     require_between("duration * rate", *run.duration * run.rate, 0, 1e4, "");
     return *run.duration * run.rate;
   }
-  require(begin < 1, "phase is " + std::to_string(run.phase) +
-                         ", at the motion's end or beyond: say the duration [s] of what follows");
+  require(begin < 1 - 1e-9, "phase is " + std::to_string(run.phase) +
+                                ", at the motion's end or beyond: say the duration [s] of what follows");
   return 1 - begin;
 }
 
@@ -60,20 +60,40 @@ Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const
   require_size("goal", goal.size(), positions.cols());
   detail::require_positions(positions, "positions");
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(positions.rows(), 0, 1);
-  Series forcing(positions.rows(), positions.cols());
-  for (Eigen::Index d = 0; d < positions.cols(); ++d)  // 5.3 = 5.12 without the goal's part
-    forcing.col(d) =
-        detail::observed_forcing(positions.col(d), time, config).array() - config.stiffness * config.damping * goal[d];
-  return forcing;
+  const Eigen::MatrixXd forcing = detail::observed_forcing(positions, time, config);
+  return forcing.rowwise() - config.stiffness * config.damping * goal.transpose();  // 5.3 = 5.12 less the goal's part
 }
 
-Dmp Dmp::fit(const Series& positions, const DmpConfig& config) {
-  validate(config);
-  require_between("number of samples", double(positions.rows()), 3, 1e6, "samples");
+namespace {
+
+Dmp fit_forcing(const Series& positions, const DmpConfig& config) {
   const Eigen::VectorXd goal = positions.row(positions.rows() - 1);
   const Series forcing = forcing_terms(positions, goal, config);
   const Eigen::MatrixXd phi = basis(phases(static_cast<int>(positions.rows()), config), config);
   return Dmp(positions.row(0), goal, phi.completeOrthogonalDecomposition().solve(forcing).transpose(), config);  // 5.4
+}
+
+// The motion is linear in (w, g, y0). Late weights hardly move it: what is below the threshold stays 0.
+Dmp fit_motion(const Series& positions, const DmpConfig& config) {
+  constexpr double threshold = 1e-6;
+  const int steps = static_cast<int>(positions.rows());
+  const Eigen::Index M = config.basis_functions;
+  const Eigen::MatrixXd H = detail::response(config, steps, 0, 1)->transposed.topLeftCorner(M + 2, steps).transpose();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(H.rows(), H.cols());
+  decomposition.setThreshold(threshold);
+  decomposition.compute(H);
+  const Eigen::MatrixXd found = decomposition.solve(positions);
+  return Dmp(found.row(M + 1), found.row(M), found.topRows(M).transpose(), config);
+}
+
+}  // namespace
+
+Dmp Dmp::fit(const Series& positions, const DmpConfig& config, Observed by) {
+  validate(config);
+  require_between("number of samples", double(positions.rows()), 3, 1e6, "samples");
+  require(positions.cols() > 0, "positions have 0 dimensions, must have at least 1");
+  detail::require_positions(positions, "positions");
+  return by == Observed::forcing ? fit_forcing(positions, config) : fit_motion(positions, config);
 }
 
 DmpTrajectory Dmp::rollout(int steps, const DmpRun& run) const {

@@ -45,6 +45,9 @@ InteractionModel::InteractionModel(const Series& samples, const Series& begins, 
 
 void InteractionModel::set_parameters() {
   const Eigen::Index Q = static_cast<Eigen::Index>(response_width(config.dmp));
+  const Eigen::RowVectorXd average = parameters.colwise().mean();
+  flat = Series::Zero(S, static_cast<Eigen::Index>(padded(size(D()))));
+  flat.leftCols(D()) = (parameters.rowwise() - average) / std::sqrt(double(S));
   means = Series::Zero(Q, N);
   loadings = Series::Zero(Q, N * lanes);
   for (Eigen::Index d = 0; d < N; ++d) {
@@ -108,20 +111,57 @@ void Information::add_samples(const InteractionModel& model, const Series& rows,
   }
 }
 
+namespace {
+
+/// Columns of the rows that are not 0 to rounding: basis functions are local, and a short observation sees few.
+std::vector<Eigen::Index> active_columns(const Series& rows) {
+  constexpr double nothing = 1e-22;
+  const Eigen::RowVectorXd largest = rows.cwiseAbs().colwise().maxCoeff();
+  std::vector<Eigen::Index> active;
+  for (Eigen::Index i = 0; i < rows.cols(); ++i)
+    if (largest[i] > nothing) active.push_back(i);
+  return active;
+}
+
+/// The columns named, then zeros up to a multiple of the lanes.
+Series packed_columns(const Series& matrix, const std::vector<Eigen::Index>& columns) {
+  Series made = Series::Zero(matrix.rows(), static_cast<Eigen::Index>(padded(columns.size())));
+  for (Eigen::Index k = 0; k < matrix.rows(); ++k)
+    for (std::size_t i = 0; i < columns.size(); ++i) made(k, static_cast<Eigen::Index>(i)) = matrix(k, columns[i]);
+  return made;
+}
+
+Series packed_rows(const Eigen::Ref<const Series, 0, Eigen::OuterStride<>>& matrix,
+                   const std::vector<Eigen::Index>& rows, std::size_t columns) {
+  Series made = Series::Zero(static_cast<Eigen::Index>(padded(rows.size())), static_cast<Eigen::Index>(columns));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    made.row(static_cast<Eigen::Index>(i)).head(matrix.cols()) = matrix.row(rows[i]);
+  return made;
+}
+
+}  // namespace
+
 // All degrees of freedom see the same rows R: sum_d B_d^T (R^T R) B_d instead of the Gram matrix of K n rows.
-void Information::add_group(const InteractionModel& model, const Series& R, const Series& values, Eigen::Index first) {
-  const std::size_t width = size(R.cols()), lanes = size(model.lanes), columns = size(values.cols()) * lanes;
-  const std::size_t stride = size(model.loadings.cols());
-  const double* B = model.loadings.data() + first * model.lanes;
+void Information::add_group(const InteractionModel& model, const Series& rows, const Series& values,
+                            Eigen::Index first) {
+  const Eigen::Index n = values.cols();
+  const std::size_t lanes = size(model.lanes), columns = size(n) * lanes, n_padded = padded(size(n));
+  const std::vector<Eigen::Index> active = active_columns(rows);
+  const Series R = packed_columns(rows, active);
+  const Series B = packed_rows(model.loadings.middleCols(first * model.lanes, n * model.lanes), active, columns);
+  const Series mean = packed_rows(model.means.middleCols(first, n), active, size(n));
+  const std::size_t width = size(R.cols());
   Series gram(R.cols(), R.cols()), spread(R.cols(), static_cast<Eigen::Index>(columns));
   transposed_product({R.data(), width}, {R.data(), width}, gram.data(), size(R.rows()), width, width);
-  transposed_product({gram.data(), width}, {B, stride}, spread.data(), width, width, columns);
-  const Series surprise = values - R * model.means.block(0, first, R.cols(), values.cols());
-  const Series weighted = R.transpose() * surprise;
-  for (Eigen::Index d = 0; d < values.cols(); ++d) {
+  transposed_product({gram.data(), width}, {B.data(), columns}, spread.data(), width, width, columns);
+  Series surprise = Series::Zero(R.rows(), static_cast<Eigen::Index>(n_padded));
+  surprise.leftCols(n).noalias() = values - R.lazyProduct(mean);
+  Series weighted(R.cols(), static_cast<Eigen::Index>(n_padded));
+  transposed_product({R.data(), width}, {surprise.data(), n_padded}, weighted.data(), size(R.rows()), width, n_padded);
+  for (Eigen::Index d = 0; d < n; ++d) {
     const std::size_t at = size(d) * lanes;
-    add_transposed_product({B + at, stride}, {spread.data() + at, columns}, matrix.data(), width, lanes, lanes);
-    vector += model.loadings.block(0, (first + d) * model.lanes, R.cols(), model.lanes).transpose() * weighted.col(d);
+    add_transposed_product({B.data() + at, columns}, {spread.data() + at, columns}, matrix.data(), width, lanes, lanes);
+    vector.noalias() += B.middleCols(d * model.lanes, model.lanes).transpose().lazyProduct(weighted.col(d));
   }
 }
 

@@ -19,6 +19,7 @@ struct InteractionModel {
   Eigen::Index lanes;         ///< S padded
   Series means;               ///< (Q, N)
   Series loadings;            ///< (Q, N lanes): L of degree of freedom d in columns d lanes ...
+  Series flat;                ///< (S, D padded): L^T
   Eigen::VectorXd scale;      ///< (E,) standard deviations
   Eigen::VectorXd centre;     ///< (E,) what the model expects of e / scale
   Eigen::MatrixXd reactions;  ///< (E, S): d (e / scale) / dz

@@ -8,6 +8,7 @@
 #include "differences.hpp"
 #include "interaction_model.hpp"
 #include "lfdcore/error.hpp"
+#include "small_products.hpp"
 
 namespace lfdcore {
 
@@ -49,7 +50,7 @@ double observed_power(const Dmp& dmp, const Series& positions, Observed observe)
 Demonstration fitted(const Series& partner, const Series& robot, const InteractionPrimitiveConfig& config) {
   Series both(partner.rows(), partner.cols() + robot.cols());
   both << partner, robot;
-  const Dmp dmp = Dmp::fit(both, config.dmp);
+  const Dmp dmp = Dmp::fit(both, config.dmp, config.observe);
   const Series rest = residuals(dmp, both, config.observe).leftCols(partner.cols());
   return {flattened(dmp), dmp.start(), rest.squaredNorm(), observed_power(dmp, partner, config.observe), rest.size()};
 }
@@ -112,6 +113,11 @@ const InteractionPrimitiveConfig& InteractionPrimitive::config() const { return 
 
 namespace {
 
+[[noreturn]] void refuse_phase(Eigen::Index k, double phase) {
+  throw std::invalid_argument("phase[" + std::to_string(k) + "] is " + std::to_string(phase) +
+                              ", must be below the one before");
+}
+
 // Normalised times of falling phases.
 Eigen::VectorXd rising_times(const Eigen::VectorXd& phase, Eigen::Index samples, const DmpConfig& config) {
   require(phase.size() == samples,
@@ -119,8 +125,7 @@ Eigen::VectorXd rising_times(const Eigen::VectorXd& phase, Eigen::Index samples,
   Eigen::VectorXd time(samples);
   for (Eigen::Index k = 0; k < samples; ++k) {
     time[k] = detail::observation_time(config, phase[k]);
-    require(k == 0 || time[k] > time[k - 1],
-            "phase[" + std::to_string(k) + "] is " + std::to_string(phase[k]) + ", must be below the one before");
+    if (k > 0 && !(time[k] > time[k - 1])) refuse_phase(k, phase[k]);
   }
   return time;
 }
@@ -151,6 +156,8 @@ void set_forcing(Series& forcing, const Series& positions, const Eigen::VectorXd
 }
 
 Series forcing_at(const Series& positions, const Eigen::VectorXd& time, const DmpConfig& config) {
+  if (positions.rows() >= 3 && !positions.array().isNaN().any())
+    return detail::observed_forcing(positions, time, config);
   Series forcing = Series::Constant(positions.rows(), positions.cols(), unseen);
   for (Eigen::Index d = 0; d < positions.cols(); ++d) set_forcing(forcing, positions, time, d, config);
   return forcing;
@@ -254,17 +261,23 @@ Dmp InteractionPosterior::robot() const {
 }
 
 Dmp InteractionPosterior::partner() const { return motion(0, model_->partner); }
-Eigen::VectorXd InteractionPosterior::mean() const { return flattened(motion(0, model_->N)); }
+Eigen::VectorXd InteractionPosterior::mean() const {
+  Eigen::VectorXd all = model_->parameters.colwise().mean().transpose();
+  all.noalias() += model_->flat.topLeftCorner(model_->S, model_->D()).transpose() * latent_;
+  return all;
+}
+
 Eigen::VectorXd InteractionPosterior::start() const { return motion(0, model_->N).start(); }
 double InteractionPosterior::trace() const { return factor().squaredNorm(); }
 
 Eigen::MatrixXd InteractionPosterior::factor() const {
-  const Eigen::Index rows = model_->M + 1;
-  Eigen::MatrixXd all(model_->D(), model_->S);
-  for (Eigen::Index d = 0; d < model_->N; ++d)
-    all.middleRows(d * rows, rows).noalias() =
-        model_->loading(d).topRows(rows) * spread_.triangularView<Eigen::Upper>();
-  return all;
+  const Eigen::Index width = model_->flat.cols(), lanes = model_->lanes;
+  Series spread = Series::Zero(model_->S, lanes), all(lanes, width);
+  spread.leftCols(model_->S) = spread_;
+  const auto size = [](Eigen::Index count) { return static_cast<std::size_t>(count); };
+  detail::transposed_product({spread.data(), size(lanes)}, {model_->flat.data(), size(width)}, all.data(),
+                             size(model_->S), size(lanes), size(width));
+  return all.topLeftCorner(model_->S, model_->D()).transpose();
 }
 
 namespace {

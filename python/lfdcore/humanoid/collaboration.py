@@ -83,8 +83,8 @@ class CollaborationInference:
 
     posterior: InteractionPosterior
     """p(theta | partner, e)"""
-    phase: PartnerPhase
-    """how far the partner has come (5.5); while it is not determined only the scene was heeded"""
+    phase: PartnerPhase | None
+    """how far the partner has come (5.5); while it is not determined only the scene was heeded; None: nobody was seen"""
     share: float
     """of the motion that is over, 0 to 1"""
     duration: float
@@ -108,7 +108,7 @@ class CollaborationInference:
         """(steps, r') standard deviations of the learned columns."""
         covariance = self.posterior.trajectory(self.steps).covariance
         variances = np.diagonal(covariance, axis1=1, axis2=2)[:, self.partner_columns :]
-        return np.sqrt(variances.clip(0))
+        return np.asarray(np.sqrt(variances.clip(0)))
 
     def motion_from_now(self, period: float, position: ArrayLike | None = None) -> tuple[Array, Array]:
         """What is left, from phase x* on (end of Sec. 5.3): times from now [s] (K,) every `period` [s] or a little more
@@ -123,9 +123,10 @@ class CollaborationInference:
                 f"the partner has come to the end of the motion: {left:.3g} s are left, period {period:g} s"
             )
         robot = self.posterior.robot
+        begin = float(np.exp(-robot.config.phase_decay * self.share))
         start = None if position is None else self.columns.learned(np.atleast_2d(np.asarray(position, np.float64)))[0]
         steps = int(np.ceil(left / period)) + 1
-        run = robot.rollout(steps, rate=1 / self.duration, phase=self.phase.phase, position=start, duration=left)
+        run = robot.rollout(steps, rate=1 / self.duration, phase=begin, position=start, duration=left)
         return np.array(run.time), self.columns.recorded(run.positions)
 
 
@@ -179,20 +180,22 @@ class CollaborationModel:
         ValueError for a partner's column that was not learned from, an environment that lacks a name where any is
         given, and a recording in which no sample was seen.
         """
-        phase, share, shares, seen = self._followed(partial)
-        decay = float(self.primitive.config.dmp.phase_decay)
-        heeded = seen if phase.determined else seen[:0]
         given = self._environment(environment)
-        posterior = self.primitive.condition(heeded, np.exp(-decay * shares[: len(heeded)]), given)
-        return CollaborationInference(
-            posterior,
-            phase,
-            share,
-            self._duration(partial, phase, share),
-            self.robot,
-            len(self.partner_names),
-            self.config.steps,
-        )
+        if partial is None:
+            posterior = self.primitive.condition(None, None, given)
+            return self._inference(posterior, None, 0.0, self.duration)
+        phase, shares, seen = self._followed(partial)
+        share = float(shares[-1])
+        decay = float(self.primitive.config.dmp.phase_decay)
+        posterior = self.primitive.condition(seen, np.exp(-decay * shares), given)
+        tempo = phase.mean_rate if share > 0 else 1.0  # t*/T' (F14)
+        return self._inference(posterior, phase, share, self.duration / tempo)
+
+    def _inference(
+        self, posterior: InteractionPosterior, phase: PartnerPhase | None, share: float, duration: float
+    ) -> CollaborationInference:
+        partner, steps = len(self.partner_names), self.config.steps
+        return CollaborationInference(posterior, phase, share, duration, self.robot, partner, steps)
 
     def follow(self, environment: Mapping[str, float] | None = None) -> CollaborationFollower:
         """For a partner who is seen sample by sample."""
@@ -219,24 +222,24 @@ class CollaborationModel:
             raise ValueError(f"the environment lacks {', '.join(missing)}: it has {', '.join(values) or 'nothing'}")
         return np.array([values[name] for name in self.environment_names])
 
-    def _followed(self, partial: InteractionRecording | None) -> tuple[PartnerPhase, float, Array, Array]:
-        """Phase, share of the motion that is over, shares (K,) of the samples, samples (K, n) in the model's columns.
+    def _followed(self, partial: InteractionRecording) -> tuple[PartnerPhase, Array, Array]:
+        """Phase, and of the samples to be heeded shares of the motion (K,) and columns (K, n).
 
-        Samples are spread evenly over the way to t*, as the thesis resamples them, but a pause takes no share.
+        Samples are spread evenly over the way to t*, as the thesis resamples them; those of a pause are left out. While
+        the phase is not determined the last sample alone is heeded: partner and robot are at their start.
         """
-        estimator = PhaseEstimator(self.reference, self.duration)
-        if partial is None:
-            return estimator.phase, 0.0, np.zeros(0), np.zeros((0, len(self.partner_names)))
-        seen = self._columns(partial)
+        estimator, seen = PhaseEstimator(self.reference, self.duration), self._columns(partial)
         if np.isnan(seen).all():
             raise ValueError(f"{partial.name or 'the recording'}: no sample of the partner was seen")
-        paused = []
-        for stamp, sample in zip(partial.stamp, seen, strict=True):
-            phase = estimator.observe(float(stamp), sample)
-            paused.append(phase.paused)
-        share = max(phase.index, 0) / (len(self.reference) - 1)
-        active = np.append(0.0, np.cumsum(np.diff(partial.stamp) * ~np.array(paused[1:], bool)))
-        return phase, share, share * active / max(active[-1], 1e-12), seen
+        phases = [estimator.observe(float(at), one) for at, one in zip(partial.stamp, seen, strict=True)]
+        last = phases[-1]
+        if not last.determined or last.index < 1:
+            return last, np.zeros(1), seen[-1:]
+        moving = np.array([not one.paused for one in phases])
+        moving[0] = True
+        active = np.append(0.0, np.cumsum(np.diff(partial.stamp) * moving[1:]))[moving]
+        share = last.index / (len(self.reference) - 1)
+        return last, share * active / active[-1] if active[-1] > 0 else np.array([share]), seen[moving]
 
     def _columns(self, partial: InteractionRecording) -> Array:
         unknown = [name for name in partial.partner_names if name not in self.partner_names]
@@ -246,12 +249,6 @@ class CollaborationModel:
         for name, column in zip(partial.partner_names, partial.partner.T, strict=True):
             seen[:, self.partner_names.index(name)] = column
         return seen
-
-    def _duration(self, partial: InteractionRecording | None, phase: PartnerPhase, share: float) -> float:
-        """tau = t*/T' (F14): as fast as the partner has been so far; the demonstrations' where that is not known."""
-        if partial is None or not phase.determined or share <= 0:
-            return self.duration
-        return self.duration / phase.mean_rate
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""

@@ -8,6 +8,9 @@
 
 namespace lfdcore {
 
+/// The space in which motions are compared: that of the forcing function (5.3, 5.11), or that of the positions.
+enum class Observed { forcing, positions };
+
 /// A motion of D degrees of freedom. The matrices are column by column, so that one degree of freedom is contiguous.
 struct DmpTrajectory {
   Eigen::VectorXd time;           ///< (steps,) [s] since the begin
@@ -33,11 +36,12 @@ class Dmp {
   /// Start (D,), goal (D,), weights (D, M). Throws std::invalid_argument for other shapes and what is not finite.
   Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, Series weights, const DmpConfig& config = {});
 
-  /// Positions (T, D), T >= 3, evenly spaced in time: t = k / (T - 1), whatever the demonstration's duration was. The
-  /// derivatives are second-order differences, the weights least squares by an orthogonal decomposition, minimum norm
-  /// where T < M (5.3, 5.4, ERRATA 37); the goal is the last position. Throws std::invalid_argument for fewer samples
-  /// and for what is not finite or beyond 1e9.
-  static Dmp fit(const Series& positions, const DmpConfig& config = {});
+  /// Positions (T, D), T >= 3, evenly spaced in time: t = k / (T - 1), whatever the demonstration's duration was. By
+  /// forcing: the derivatives are second-order differences, the weights least squares of 5.3, the goal is the last
+  /// position (5.4, ERRATA 37). By positions: start, goal and weights are least squares of the motion from rest itself,
+  /// without derivatives, which noise spoils. Orthogonal decompositions, minimum norm where data say nothing. Throws
+  /// std::invalid_argument for fewer samples and for what is not finite or beyond 1e9.
+  static Dmp fit(const Series& positions, const DmpConfig& config = {}, Observed by = Observed::forcing);
 
   /// The motion in `steps` >= 2 samples, evenly spread. Exact up to 1e-9 of its range. Linear in (w, g, position,
   /// velocity): the matrix that maps them to the samples is kept for the next call with the same steps, phase and

@@ -11,11 +11,10 @@
 
 namespace lfdcore {
 
-/// What of the partner enters the likelihood: the forcing function (5.11), or the positions themselves.
-enum class Observed { forcing, positions };
-
 struct InteractionPrimitiveConfig {
   DmpConfig dmp{};
+  /// What of the partner enters the likelihood, and by what the demonstrations are fitted: the forcing function (5.11),
+  /// or the positions themselves.
   Observed observe = Observed::forcing;
   /// sigma^2, a variance in the unit of what is observed (ERRATA 41). Default: the partner's squared residual after the
   /// fit, pooled over samples, dimensions and demonstrations (ERRATA F13).
