@@ -16,7 +16,7 @@ MAY_IMPORT = {
     "datasets": FACADES,
     "wheelchair": FACADES | {"datasets"},
     "humanoid": FACADES | {"datasets"},
-    "training": FACADES | {"datasets", "wheelchair"},
+    "training": FACADES | {"datasets", "wheelchair", "humanoid"},
     "study": FACADES | {"datasets", "wheelchair", "humanoid", "training"},
     "cli": FACADES | {"datasets", "wheelchair", "humanoid", "training", "study"},
     "__main__": {"cli"},

@@ -1,9 +1,5 @@
 """
-<<<<<<< HEAD
 Movement and interaction primitives, dynamic time warping, orientations, sequences of tasks.
-=======
-Dynamic movement primitives and interaction primitives.
->>>>>>> dmp
 """
 
 from __future__ import annotations
@@ -17,16 +13,12 @@ __all__: list[str] = [
     "DmpConfig",
     "DmpStepper",
     "DmpTrajectory",
-<<<<<<< HEAD
     "DtwResult",
-=======
->>>>>>> dmp
     "InteractionObserver",
     "InteractionPosterior",
     "InteractionPrimitive",
     "InteractionPrimitiveConfig",
     "InteractionTrajectory",
-<<<<<<< HEAD
     "OpenEndDtw",
     "OpenEndPhase",
     "PartnerPhase",
@@ -439,14 +431,6 @@ class SequenceHmm:
     @property
     def primitives(self) -> list[SequencePrimitive]: ...
 
-=======
-    "basis",
-    "forcing_terms",
-    "partner_forcing",
-    "phases",
-]
-
->>>>>>> dmp
 class DmpConfig:
     """
     The constants of 5.1 and 5.2 (ERRATA F13): basis_functions M, stiffness alpha_y, damping beta_y (critical at alpha_y / 4), phase_decay alpha_x. ValueError unless 2 <= M <= 1000, 0 < alpha_y, beta_y <= 1e4, 0 < alpha_x <= 100.
@@ -548,15 +532,9 @@ class Dmp:
     """
 
     @staticmethod
-<<<<<<< HEAD
-    def fit(positions: numpy.typing.ArrayLike, config: DmpConfig = ...) -> Dmp:
-        """
-        Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a run's rate gives it back. Least squares by an orthogonal decomposition (5.4, ERRATA 37); the goal is the last position. ValueError for fewer samples and values not finite or beyond 1e9.
-=======
     def fit(positions: numpy.typing.ArrayLike, config: DmpConfig = ..., *, by: str = "forcing") -> Dmp:
         """
         Positions (T, D), T >= 3, evenly spaced in time; the demonstration's duration does not matter, a run's rate gives it back. by='forcing': least squares of 5.3 with differences as derivatives, the goal is the last position (5.4, ERRATA 37). by='positions': start, goal and weights are least squares of the motion from rest itself, without derivatives, which noise spoils. ValueError for fewer samples and values not finite or beyond 1e9.
->>>>>>> dmp
         """
 
     def __init__(
@@ -624,11 +602,7 @@ class Dmp:
 
 class InteractionPrimitiveConfig:
     """
-<<<<<<< HEAD
-    observe: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the variances are > 0.
-=======
     observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the variances are > 0.
->>>>>>> dmp
     """
 
     def __init__(
@@ -823,7 +797,6 @@ def basis(phase: numpy.typing.ArrayLike, config: DmpConfig = ...) -> numpy.typin
     phi(x)^T of 5.2 at phases (T,), the factor x included -> (T, M). ValueError for a phase outside (0, 1].
     """
 
-<<<<<<< HEAD
 def continuous_quaternions(quaternions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, 4) x y z w -> the same rotations of length 1, the first with w >= 0, each on its predecessor's side (ERRATA 44). Steps of half a turn are ambiguous. ValueError for a length that is not within [1e-9, 1e9].
@@ -839,8 +812,6 @@ def dtw_distance(a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, window: i
     dtw(a, b, window).distance, the same to the last bit, in O(m + n) memory.
     """
 
-=======
->>>>>>> dmp
 def forcing_terms(
     positions: numpy.typing.ArrayLike, goal: numpy.typing.ArrayLike, config: DmpConfig = ...
 ) -> numpy.typing.NDArray[numpy.float64]:
@@ -848,7 +819,6 @@ def forcing_terms(
     5.3 for positions (T, D), T >= 3, at normalised times k / (T - 1), and the goal (D,) -> (T, D); derivatives as np.gradient(edge_order=2). ValueError for other shapes and values not finite or beyond 1e9.
     """
 
-<<<<<<< HEAD
 def geodesic_angle(a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, 4), (T, 4) -> (T,) angles in [0, pi] [rad] between rows. ValueError for other shapes and zero lengths.
@@ -871,8 +841,6 @@ def open_end_dtw(query: numpy.typing.ArrayLike, reference: numpy.typing.ArrayLik
     The OpenEndPhase after all samples of query (m, D) or (m,); NaN and errors as in OpenEndDtw.
     """
 
-=======
->>>>>>> dmp
 def partner_forcing(
     positions: numpy.typing.ArrayLike, phase: numpy.typing.ArrayLike, config: DmpConfig = ...
 ) -> numpy.typing.NDArray[numpy.float64]:
@@ -884,7 +852,6 @@ def phases(steps: int, config: DmpConfig = ...) -> numpy.typing.NDArray[numpy.fl
     """
     Phases (steps,) of samples evenly spread over a demonstration: exp(-alpha_x k / (steps - 1)). ValueError unless 2 <= steps <= 1e6.
     """
-<<<<<<< HEAD
 
 def quaternions_from_imaginary(
     parts: numpy.typing.ArrayLike, reference: numpy.typing.ArrayLike
@@ -892,5 +859,3 @@ def quaternions_from_imaginary(
     """
     Inverse of imaginary_parts: (T, 3), (4,) -> (T, 4) of length 1, w = sqrt(max(0, 1 - |v|^2)) (ERRATA 44): parts longer than 1 count as half a turn about their axis. ValueError for what is not finite.
     """
-=======
->>>>>>> dmp

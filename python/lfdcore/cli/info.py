@@ -35,8 +35,8 @@ def _facts(file: Path) -> dict[str, Any]:
 
 
 def _model_facts(file: Path) -> dict[str, Any]:
-    from lfdcore.wheelchair.models import load_any_model
     from lfdcore.datasets.tensor_file import tensor_file_format
+    from lfdcore.wheelchair.models import load_any_model
 
     model = load_any_model(file)
     return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}

@@ -39,8 +39,8 @@ class CollaborationConfig:
     basis_functions: int = 20
     """M of every degree of freedom (F13)"""
     observe: Literal["positions", "forcing"] = "positions"
-    """What of the partner enters the likelihood: positions, or the forcing function as printed (5.11, 5.12), which needs
-    second derivatives of what a tracker saw"""
+    """What of the partner enters the likelihood: positions, or the forcing function as printed (5.11, 5.12), for which
+    what a tracker saw is differentiated twice"""
     noise: float | None = None
     """sigma^2 of what is observed, in its unit squared; None: the fit's residual (F13)"""
     environment_noise: float = 1e-3
@@ -84,7 +84,7 @@ class CollaborationInference:
     posterior: InteractionPosterior
     """p(theta | partner, e)"""
     phase: PartnerPhase | None
-    """how far the partner has come (5.5); while it is not determined only the scene was heeded; None: nobody was seen"""
+    """how far the partner has come (5.5); until it is determined, a partner's place alone is heeded; None: not seen"""
     share: float
     """of the motion that is over, 0 to 1"""
     duration: float
@@ -112,9 +112,9 @@ class CollaborationInference:
 
     def motion_from_now(self, period: float, position: ArrayLike | None = None) -> tuple[Array, Array]:
         """What is left, from phase x* on (end of Sec. 5.3): times from now [s] (K,) every `period` [s] or a little more
-        often, and the robot's recorded columns (K, r). It starts from rest at `position` (r,), where the robot is (F14);
-        without, where the whole motion begins. ValueError for a period that is not > 0, another r, and where nothing
-        is left."""
+        often, and the robot's recorded columns (K, r). It starts from rest at `position` (r,), where the robot is
+        (F14), by default where the whole motion begins. ValueError for a period that is not > 0, another r, and where
+        nothing is left."""
         left = (1 - self.share) * self.duration
         if not 0 < period < np.inf:
             raise ValueError(f"period is {period} s, must be > 0 s and finite")

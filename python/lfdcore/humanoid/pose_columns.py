@@ -16,8 +16,8 @@ _PARTS = ("qx", "qy", "qz", "qw")
 
 @dataclass(frozen=True)
 class PoseColumns:
-    """Recorded columns (T, r) <-> learned columns (T, r'): four columns X.qx, X.qy, X.qz, X.qw, next to each other, of a
-    unit quaternion become the three imaginary parts of its rotation from a reference; others stay as they are."""
+    """Recorded columns (T, r) <-> learned columns (T, r'): of a unit quaternion's four columns X.qx, X.qy, X.qz, X.qw,
+    next to each other, the three imaginary parts of its rotation from a reference; others stay as they are."""
 
     names: tuple[str, ...]
     """(r,) as recorded"""
@@ -31,8 +31,8 @@ class PoseColumns:
 
     @staticmethod
     def of(names: Sequence[str], motions: Sequence[ArrayLike]) -> PoseColumns:
-        """With the mean orientations of recorded motions [(T_j, r)] as references. ValueError for a quaternion that lacks
-        one of its columns, and as mean_orientation."""
+        """With the mean orientations of recorded motions [(T_j, r)] as references. ValueError for a quaternion that
+        lacks one of its columns, and as mean_orientation."""
         places = _quaternions(tuple(names))
         arrays = [np.asarray(motion, np.float64) for motion in motions]
         means = [mean_orientation(np.concatenate([a[:, k : k + 4] for a in arrays])) for k in places]

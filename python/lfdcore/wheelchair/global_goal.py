@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.goals import Goal, Goals
+from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.estimation import ActionKernel, ActionModel, Belief, IntentionFilter, goal_likelihoods
 from lfdcore.wheelchair.goal_network import GoalNetwork
 from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_state
-from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 
 KIND, VERSION = "lfdcore goals", 1
 Floats = NDArray[np.float64]

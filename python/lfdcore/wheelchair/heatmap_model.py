@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.wheelchair.joystick_model import JoystickModel
 from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
-from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:

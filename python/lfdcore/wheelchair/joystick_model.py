@@ -13,9 +13,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.estimation import GaussianProcess, Kernel
-from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 
 Floats = NDArray[np.float64]
 _KIND, _DRIVER, _VERSION = "joystick model", "joystick adaptation", 1

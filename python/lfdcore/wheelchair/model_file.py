@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.estimation import RbfNetworkBank
 from lfdcore.wheelchair.compliance import ComplianceConfig, ComplianceModel
 from lfdcore.wheelchair.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.local_paths import LocalPathConfig, LocalPaths, extract_local_paths
 from lfdcore.wheelchair.path_primitives import PathPrimitiveConfig, PathPrimitives
-from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.wheelchair.typical_paths import TypicalPathConfig, typical_paths
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 

@@ -7,13 +7,13 @@ import reprlib
 
 import numpy as np
 
+from lfdcore.datasets.tensor_file import tensor_file_format
 from lfdcore.errors import DataError, ModelError
 from lfdcore.geometry import Twist2
 from lfdcore.wheelchair import global_goal, heatmap_model, model_file
 from lfdcore.wheelchair.global_goal import GoalModel
 from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.model_file import DriveAssistantModel
-from lfdcore.datasets.tensor_file import tensor_file_format
 
 Model = DriveAssistantModel | HeatmapModel | NaiveHeatmapModel
 KINDS: dict[str, type[Model]] = {

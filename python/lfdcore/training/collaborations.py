@@ -1,0 +1,83 @@
+"""Learns a collaboration, and the noise of what is observed by leaving demonstrations out (ERRATA 41, F13)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets.interaction import InteractionRecording
+from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoiseChoice:
+    """factors: of the fit's residual variance (F13: too small is ruinous, 100 times too large harmless); folds: at most
+    so many sets of demonstrations are left out in turn; shares: of a left-out partner's motion that is seen."""
+
+    factors: tuple[float, ...] = (1.0, 10.0, 100.0, 1e3, 1e4)
+    folds: int = 5
+    shares: tuple[float, ...] = (0.1, 0.3, 0.5, 0.7)
+
+    def __post_init__(self) -> None:
+        if not self.factors or not all(0 < factor < np.inf for factor in self.factors):
+            raise ValueError(f"factors are {self.factors}, must be one or more, > 0 and finite")
+        if self.folds < 2:
+            raise ValueError(f"folds is {self.folds}, must be at least 2")
+        if not self.shares or not all(0 <= share <= 1 for share in self.shares):
+            raise ValueError(f"shares are {self.shares}, must be one or more in [0, 1]")
+
+
+def learn_collaboration(
+    demonstrations: Sequence[InteractionRecording],
+    config: CollaborationConfig | None = None,
+    choice: NoiseChoice | None = None,
+    progress: Progress | None = None,
+) -> CollaborationModel:
+    """With the noise that foretells the robot's motion of demonstrations left out best; what `config` sets stays, and
+    so does the fit's residual where fewer than 4 demonstrations are given. ValueError as CollaborationModel.fit."""
+    config, choice = config or CollaborationConfig(), choice or NoiseChoice()
+    model = CollaborationModel.fit(demonstrations, config)
+    if config.noise is not None or len(demonstrations) < 4:
+        return model
+    residual = float(model.primitive.config.noise or 0.0)
+    candidates = [replace(config, noise=factor * residual) for factor in choice.factors]
+    errors = left_out_errors(demonstrations, candidates, choice, progress)
+    best = candidates[int(np.argmin(errors))]
+    chosen = CollaborationModel.fit(demonstrations, best)
+    rows = [[candidate.noise, error] for candidate, error in zip(candidates, errors.tolist(), strict=True)]
+    return replace(chosen, metadata={**chosen.metadata, "noise_choice": rows})
+
+
+def left_out_errors(
+    demonstrations: Sequence[InteractionRecording],
+    candidates: Sequence[CollaborationConfig],
+    choice: NoiseChoice,
+    progress: Progress | None = None,
+) -> NDArray[np.float64]:
+    """(candidates,) RMS error of the robot's learned columns, each over its standard deviation in the demonstrations,
+    over folds and shares. A fold leaves every folds-th demonstration out."""
+    tell = progress or (lambda done, total: None)
+    folds = min(choice.folds, len(demonstrations) // 2)
+    squares = np.zeros((len(candidates), folds))
+    for fold in range(folds):
+        kept = [one for k, one in enumerate(demonstrations) if k % folds != fold]
+        left_out = demonstrations[fold::folds]
+        for k, config in enumerate(candidates):
+            model = CollaborationModel.fit(kept, config)
+            squares[k, fold] = np.mean(
+                [_square_error(model, one, share) for one in left_out for share in choice.shares]
+            )
+            tell(fold * len(candidates) + k + 1, folds * len(candidates))
+    return np.asarray(np.sqrt(squares.mean(axis=1)))
+
+
+def _square_error(model: CollaborationModel, one: InteractionRecording, share: float) -> float:
+    said = model.infer(one.partial(share=share), one.environment if model.environment_names else None)
+    truth = model.robot.learned(one.resample(said.steps, model.config.longest_gap).robot)
+    spread = np.maximum(truth.std(axis=0), 1e-9)
+    return float(np.mean(((model.robot.learned(said.robot_motion()) - truth) / spread) ** 2))
