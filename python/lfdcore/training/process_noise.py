@@ -25,6 +25,7 @@ def leave_drives_out(
 ) -> list[LeftOutFigures]:
     """Each fold leaves a drive to every destination out that has two or more; `learn` makes a model of the rest.
     A row a candidate, in order; none where no destination has two drives."""
+    tell = progress or (lambda done, total: None)
     found: list[list[tuple[GoalSamples, BeliefTrack, NDArray[np.float64]]]] = [[] for _ in candidates]
     number, spare = _drive_numbers(samples)
     folds = min(folds, int(number.max()) + 1) if spare.any() else 0
@@ -33,10 +34,9 @@ def leave_drives_out(
         model, unseen = learn(samples.where(~left_out)), samples.where(left_out)
         acting, truth = model.action_model(), model.goals.positions[unseen.goal]
         for k, noise in enumerate(candidates):
-            if progress is not None:
-                progress(fold * len(candidates) + k, folds * len(candidates))
             noisy = replace(model, config=replace(model.config, process_noise=noise))
             found[k].append((unseen, track_beliefs(noisy, unseen, acting), truth))
+            tell(fold * len(candidates) + k + 1, folds * len(candidates))
     return [_figures(noise, runs) for noise, runs in zip(candidates, found, strict=True) if runs]
 
 
