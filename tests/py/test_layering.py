@@ -10,20 +10,22 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
-FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation"}
+FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "kinematics"}
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
     "wheelchair": FACADES | {"datasets"},
-    "training": FACADES | {"datasets", "wheelchair"},
-    "study": FACADES | {"datasets", "wheelchair", "training"},
-    "cli": FACADES | {"datasets", "wheelchair", "training", "study"},
+    "humanoid": FACADES | {"datasets"},
+    "training": FACADES | {"datasets", "wheelchair", "humanoid"},
+    "study": FACADES | {"datasets", "wheelchair", "humanoid", "training"},
+    "cli": FACADES | {"datasets", "wheelchair", "humanoid", "training", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion"}
 MAY_INCLUDE = {
     "grid": set(),
     "estimation": set(),
+    "kinematics": set(),
     "planning": {"grid"},
     "control": {"grid"},
     "simulation": {"grid"},

@@ -24,6 +24,7 @@ void bind_supervisor(py::module_& m);
 void bind_rbf_network(py::module_& m);
 void bind_gaussian_process(py::module_& m);
 void bind_action_model(py::module_& m);
+void bind_kinematics(py::module_& m);
 
 using without_gil = py::call_guard<py::gil_scoped_release>;
 

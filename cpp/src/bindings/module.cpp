@@ -3,7 +3,9 @@
 
 PYBIND11_MODULE(_core, m) {
   using namespace lfdcore;
-  m.doc() = "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation and .simulation.";
+  m.doc() =
+      "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .kinematics and "
+      ".simulation.";
   py::register_exception<DataError>(m, "DataError", PyExc_RuntimeError);
   py::register_exception<ModelError>(m, "ModelError", PyExc_RuntimeError);
   auto geometry = m.def_submodule("geometry", "Planar poses, twists, paths and the chair's outline.");
@@ -14,6 +16,7 @@ PYBIND11_MODULE(_core, m) {
   auto control = m.def_submodule("control", "Pure pursuit, dynamic window, footprint roll-out and the supervisor.");
   auto estimation = m.def_submodule(
       "estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
+  auto kinematics = m.def_submodule("kinematics", "Robots from URDF: chains, inverse kinematics, joint trajectories.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -28,4 +31,5 @@ PYBIND11_MODULE(_core, m) {
   bind_rbf_network(estimation);
   bind_gaussian_process(estimation);
   bind_action_model(estimation);
+  bind_kinematics(kinematics);
 }
