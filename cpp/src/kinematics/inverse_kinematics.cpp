@@ -114,6 +114,13 @@ JointVector InverseKinematics::posture(int index) const {
   return postures_.row(index).transpose().cast<double>().cwiseMax(chain_.lower()).cwiseMin(chain_.upper());
 }
 
+std::vector<JointVector> InverseKinematics::postures_near(const Eigen::Isometry3d& wanted, int count) const {
+  Ranking ranking(*this, wanted);
+  std::vector<JointVector> found;
+  for (int i = 0; i < std::min(count, config_.postures); ++i) found.push_back(posture(ranking.next()));
+  return found;
+}
+
 InverseKinematicsResult InverseKinematics::descend(const Eigen::Isometry3d& wanted, const JointVector& from) const {
   InverseKinematicsResult best;
   JointVector q = from;

@@ -12,6 +12,21 @@ from lfdcore.kinematics import KinematicChain, RobotModel
 
 Side = Literal["left", "right"]
 
+NEUTRAL: dict[Side, tuple[float, ...]] = {
+    "left": (-0.08, -1.0, -1.19, 1.94, 0.67, 1.03, -0.50),
+    "right": (0.08, -1.0, 1.19, 1.94, -0.67, 1.03, 0.50),
+}
+"""Rethink's neutral posture of each arm (baxter_interface, Limb.move_to_neutral) [rad], joints s0 to w2."""
+
+
+def neutral_posture(model: RobotModel) -> NDArray[np.float64]:
+    """(N,) [rad]: both arms neutral, the head straight; joints as in model.joint_names."""
+    q = np.zeros(len(model.joint_names))
+    for side, values in NEUTRAL.items():
+        for joint, value in zip(("s0", "s1", "e0", "e1", "w0", "w1", "w2"), values, strict=True):
+            q[model.joint_names.index(f"{side}_{joint}")] = value
+    return q
+
 
 def baxter_urdf() -> Path:
     """urdf/baxter.urdf: beside the package's modules where it is installed, at the root of a source tree otherwise."""

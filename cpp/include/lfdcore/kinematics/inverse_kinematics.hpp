@@ -46,8 +46,11 @@ class InverseKinematics {
   InverseKinematicsResult solve(const Eigen::Isometry3d& T_base_tool,
                                 const std::optional<Eigen::VectorXd>& seed = std::nullopt) const;
 
-  /// One descent, from q inside the limits; q becomes the best posture met.
+  /// One descent, from q (n,) inside the limits; unchecked.
   InverseKinematicsResult descend(const Eigen::Isometry3d& T_base_tool, const JointVector& q) const;
+
+  /// The fixed postures whose tools are nearest to the pose, nearest first, at most `count`.
+  std::vector<JointVector> postures_near(const Eigen::Isometry3d& T_base_tool, int count) const;
 
  private:
   class Ranking;
