@@ -33,7 +33,9 @@ def test_architecture_names_every_module_and_no_other() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text()
     package, headers = ROOT / "python" / "lfdcore", ROOT / "cpp" / "include" / "lfdcore"
     modules = [
-        p for stage in ("datasets", "wheelchair", "training", "study") for p in (package / stage).glob("[!_]*.py")
+        p
+        for stage in ("datasets", "wheelchair", "humanoid", "training", "study")
+        for p in (package / stage).glob("[!_]*.py")
     ]
     named = set(re.findall(r"[\w/]+", "".join(re.findall(r"^\| (`.*?) \|", text, flags=re.MULTILINE))))
     ends = {name.split("/")[-1] for name in named}

@@ -1,5 +1,5 @@
 """
-lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation and .simulation.
+lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .kinematics and .simulation.
 """
 
 from __future__ import annotations
@@ -9,8 +9,19 @@ from . import simulation
 from . import planning
 from . import control
 from . import estimation
+from . import kinematics
 
-__all__: list[str] = ["DataError", "ModelError", "control", "estimation", "geometry", "grid", "planning", "simulation"]
+__all__: list[str] = [
+    "DataError",
+    "ModelError",
+    "control",
+    "estimation",
+    "geometry",
+    "grid",
+    "kinematics",
+    "planning",
+    "simulation",
+]
 
 class DataError(RuntimeError):
     pass
