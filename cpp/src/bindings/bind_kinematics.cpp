@@ -266,16 +266,17 @@ std::vector<Eigen::Isometry3d> poses_from(const PoseArray& array) {
 
 FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, const PoseArray& T_base_tool,
                     const std::optional<Eigen::VectorXd>& start, const FollowConfig& config,
-                    const SelfCollision* self_collision, const std::optional<py::array_t<double>>& posture) {
+                    const std::optional<SelfCollision>& self_collision,
+                    const std::optional<py::array_t<double>>& posture) {
   const auto poses = poses_from(T_base_tool);
   JointRows rows;
   if (posture) {
     const bool one = posture->ndim() == 1;
     rows = one ? JointRows(posture->cast<Eigen::VectorXd>().transpose()) : posture->cast<JointRows>();
   }
-  require((self_collision != nullptr) == posture.has_value(), "self_collision and posture belong together");
+  require(self_collision.has_value() == posture.has_value(), "self_collision and posture belong together");
   std::optional<Surroundings> surroundings;
-  if (self_collision != nullptr) surroundings.emplace(Surroundings{*self_collision, rows});
+  if (self_collision) surroundings.emplace(Surroundings{*self_collision, rows});
   const py::gil_scoped_release release;
   return follow_poses(chain, time, poses, start, config, surroundings);
 }
@@ -284,7 +285,7 @@ void bind_follow(py::module_& m) {
   m.def(
       "follow_poses", &follow, py::arg("chain"), py::arg("time"), py::arg("T_base_tool"),
       py::arg("start") = std::nullopt, py::arg("config") = FollowConfig{}, py::kw_only(),
-      py::arg("self_collision") = py::none(), py::arg("posture") = std::nullopt,
+      py::arg("self_collision") = std::nullopt, py::arg("posture") = std::nullopt,
       "Joint positions and velocities that follow poses T_base_tool (T, 4, 4) at `time` (T,) [s], sample by sample\n"
       "from the last posture, inside the position limits; joints that the pose leaves free tend to mid-range and away\n"
       "from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing "

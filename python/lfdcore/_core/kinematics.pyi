@@ -410,7 +410,7 @@ def follow_poses(
     start: numpy.typing.ArrayLike | None = None,
     config: FollowConfig = ...,
     *,
-    self_collision: SelfCollision = None,
+    self_collision: SelfCollision | None = None,
     posture: numpy.typing.ArrayLike | None = None,
 ) -> FollowResult:
     """
