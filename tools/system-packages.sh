@@ -5,7 +5,7 @@ set -eu
 wanted=""
 for task in "$@"; do
   case "$task" in
-    build) wanted="$wanted g++ libeigen3-dev python3-dev python3-venv" ;;
+    build) wanted="$wanted g++ libeigen3-dev liborocos-kdl-dev liburdfdom-dev python3-dev python3-venv" ;;
     test) wanted="$wanted libgtest-dev" ;;
     *) echo "system-packages.sh: unknown task '$task' (build, test)" >&2; exit 2 ;;
   esac
@@ -16,7 +16,7 @@ for package in $wanted; do
 done
 [ -n "$missing" ] || exit 0
 if ! command -v apt-get >/dev/null; then
-  echo "lfdcore needs a C++ compiler, Eigen 3.4, GoogleTest (for the tests) and Python's headers and venv; this system has no apt-get: please install them by hand." >&2
+  echo "lfdcore needs a C++ compiler, Eigen 3.4, Orocos KDL, urdfdom, GoogleTest (for the tests) and Python's headers and venv; this system has no apt-get: please install them by hand." >&2
   exit 0
 fi
 if [ "$(id -u)" = 0 ]; then root=""; elif sudo -n true 2>/dev/null; then root="sudo"; else

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
-FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "primitives"}
+FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics"}
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
@@ -26,6 +26,7 @@ MAY_INCLUDE = {
     "grid": set(),
     "estimation": set(),
     "primitives": set(),
+    "kinematics": set(),
     "planning": {"grid"},
     "control": {"grid"},
     "simulation": {"grid"},

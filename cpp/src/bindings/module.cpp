@@ -4,7 +4,8 @@
 PYBIND11_MODULE(_core, m) {
   using namespace lfdcore;
   m.doc() =
-      "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives and "
+      "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives, "
+      ".kinematics and "
       ".simulation.";
   py::register_exception<DataError>(m, "DataError", PyExc_RuntimeError);
   py::register_exception<ModelError>(m, "ModelError", PyExc_RuntimeError);
@@ -18,6 +19,7 @@ PYBIND11_MODULE(_core, m) {
       "estimation", "Radial basis function networks, Gaussian processes, differential evolution, intention.");
   auto primitives = m.def_submodule(
       "primitives", "Movement and interaction primitives, dynamic time warping, orientations, sequences of tasks.");
+  auto kinematics = m.def_submodule("kinematics", "Robots from URDF: chains, inverse kinematics, joint trajectories.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -36,4 +38,5 @@ PYBIND11_MODULE(_core, m) {
   bind_sequence(primitives);
   bind_dmp(primitives);
   bind_interaction_primitive(primitives);
+  bind_kinematics(kinematics);
 }

@@ -1,5 +1,6 @@
 """
 lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives and .simulation.
+lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .kinematics and .simulation.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from . import planning
 from . import control
 from . import estimation
 from . import primitives
+from . import kinematics
 
 __all__: list[str] = [
     "DataError",
@@ -20,6 +22,8 @@ __all__: list[str] = [
     "grid",
     "planning",
     "primitives",
+    "kinematics",
+    "planning",
     "simulation",
 ]
 

@@ -1,1 +1,1 @@
-"""Collaboration of a person and a static humanoid (Ch. 5): the scene, and what counts as done."""
+"""Two arms that help a person: Baxter and the tasks of Ch. 5."""

@@ -1,0 +1,58 @@
+"""The Baxter robot: where its URDF is, and its arms' chains."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.kinematics import KinematicChain, RobotModel
+
+Side = Literal["left", "right"]
+
+NEUTRAL: dict[Side, tuple[float, ...]] = {
+    "left": (-0.08, -1.0, -1.19, 1.94, 0.67, 1.03, -0.50),
+    "right": (0.08, -1.0, 1.19, 1.94, -0.67, 1.03, 0.50),
+}
+"""Rethink's neutral posture of each arm (baxter_interface, Limb.move_to_neutral) [rad], joints s0 to w2."""
+
+
+def neutral_posture(model: RobotModel) -> NDArray[np.float64]:
+    """(N,) [rad]: both arms neutral, the head straight; joints as in model.joint_names."""
+    q = np.zeros(len(model.joint_names))
+    for side, values in NEUTRAL.items():
+        for joint, value in zip(("s0", "s1", "e0", "e1", "w0", "w1", "w2"), values, strict=True):
+            q[model.joint_names.index(f"{side}_{joint}")] = value
+    return q
+
+
+def baxter_urdf() -> Path:
+    """urdf/baxter.urdf: beside the package's modules where it is installed, at the root of a source tree otherwise."""
+    package = Path(__file__).parents[1]
+    installed = package / "urdf" / "baxter.urdf"
+    return installed if installed.exists() else package.parents[1] / "urdf" / "baxter.urdf"
+
+
+def baxter() -> RobotModel:
+    """The robot of baxter_urdf(): head_pan and two arms of seven joints each."""
+    return RobotModel.from_urdf_file(str(baxter_urdf()))
+
+
+def baxter_arm(model: RobotModel, side: Side, T_hand_tool: NDArray[np.float64] | None = None) -> KinematicChain:
+    """From `base` to a tool on the hand's mounting plate; T_hand_tool (4, 4), by default robotiq_tool()."""
+    tool = robotiq_tool() if T_hand_tool is None else T_hand_tool
+    return model.chain("base", f"{side}_hand_link", tool)
+
+
+def robotiq_tool(length: float = 0.16) -> NDArray[np.float64]:
+    """T_hand_tool (4, 4) of a gripper that grasps `length` [m] beyond the plate along its z axis.
+
+    About 0.16 m is a Robotiq 2-finger 85 on its coupling; the thesis names the maker but no length. Measure your own.
+    """
+    if not np.isfinite(length):
+        raise ValueError(f"length is {length} m, must be finite")
+    tool = np.eye(4)
+    tool[2, 3] = length
+    return tool
