@@ -1,6 +1,5 @@
 """
-lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives and .simulation.
-lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .kinematics and .simulation.
+lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives, .kinematics and .simulation.
 """
 
 from __future__ import annotations
@@ -20,10 +19,9 @@ __all__: list[str] = [
     "estimation",
     "geometry",
     "grid",
-    "planning",
-    "primitives",
     "kinematics",
     "planning",
+    "primitives",
     "simulation",
 ]
 
