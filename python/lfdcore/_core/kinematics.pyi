@@ -128,7 +128,7 @@ class InverseKinematicsConfig:
         position_tolerance: float = 1e-05,
         rotation_tolerance: float = 1e-05,
         iterations: int = 60,
-        restarts: int = 400,
+        restarts: int = 1500,
         postures: int = 4096,
         damping: float = 0.01,
     ) -> None: ...
