@@ -153,7 +153,7 @@ def root_of(chain: KinematicChain) -> FloatArray:
 
 
 def out_of_reach(chain: KinematicChain, poses: FloatArray, share: float, *, back: bool) -> FloatArray:
-    """In the same directions at `share` of the stretched arm's length from its root, if asked for pointing back at it."""
+    """In the same directions at `share` of the stretched arm's length from its root, `back`: pointing at it."""
     root, moved = root_of(chain), poses.copy()
     direction = poses[:, :3, 3] - root
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)

@@ -48,10 +48,12 @@ void bind_model(py::module_& m) {
   py::class_<RobotModel>(m, "RobotModel",
                          "A robot read from a URDF (urdfdom, KDL). Joints and links come depth first from the root, "
                          "siblings by the names of their joints; a mimic joint is a joint of its own.")
-      .def_static("from_urdf", &RobotModel::from_urdf, py::arg("xml"), without_gil(),
-                  "From a URDF's text. DataError for what is no URDF of a tree of fixed, revolute, continuous and\n"
-                  "prismatic joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB,\n"
-                  "links without names or with two parents, loops, joints without limits or with axes of length zero.")
+      .def_static(
+          "from_urdf", &RobotModel::from_urdf, py::arg("xml"), without_gil(),
+          "From a URDF's text. DataError for what is no URDF of a tree of fixed, revolute, continuous and\n"
+          "prismatic joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB\n"
+          "or 2000 links, links without names or with two parents, loops, joints without limits or with axes of\n"
+          "length zero.")
       .def_static(
           "from_urdf_file",
           [](const py::object& path) {

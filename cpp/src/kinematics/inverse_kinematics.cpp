@@ -127,10 +127,10 @@ InverseKinematicsResult InverseKinematics::descend(const Eigen::Isometry3d& want
   ChainJacobian J;
   double least = std::numeric_limits<double>::infinity();
   int idle = 0;
-  for (int i = 0; i < config_.iterations && idle < 4; ++i) {
+  for (int i = 0; i < config_.iterations && idle < 5; ++i) {
     const Vector6 error = pose_error(wanted, chain_.evaluate(q, J));
     const double squared = error.squaredNorm();
-    idle = squared < 0.9 * least ? 0 : idle + 1;
+    idle = squared < 0.97 * least ? 0 : idle + 1;
     ++best.iterations;
     if (squared < least) {
       least = squared;

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t max_bytes = std::size_t{16} << 20;
 constexpr int max_depth = 64;
+constexpr int max_links = 2000;  // the libraries recurse along chains of links: a stack holds some ten thousand
 
 /// Walks over the markup of a text, counting open elements.
 class Markup {
@@ -40,6 +41,8 @@ class Markup {
       return skip_past(">");
     }
     ++elements_;
+    if (starts("<link") && ++links_ > max_links)
+      throw DataError("the URDF has more than " + std::to_string(max_links) + " links, which is refused");
     open_tag();
     if (depth_ > max_depth)
       throw DataError("the URDF nests elements deeper than " + std::to_string(max_depth) + ", which is refused");
@@ -64,7 +67,7 @@ class Markup {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  int depth_ = 0, elements_ = 0;
+  int depth_ = 0, elements_ = 0, links_ = 0;
 };
 
 }  // namespace

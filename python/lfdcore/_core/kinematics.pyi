@@ -75,8 +75,9 @@ class RobotModel:
     def from_urdf(xml: str) -> RobotModel:
         """
         From a URDF's text. DataError for what is no URDF of a tree of fixed, revolute, continuous and
-        prismatic joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB,
-        links without names or with two parents, loops, joints without limits or with axes of length zero.
+        prismatic joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB
+        or 2000 links, links without names or with two parents, loops, joints without limits or with axes of
+        length zero.
         """
 
     @staticmethod
@@ -128,7 +129,7 @@ class InverseKinematicsConfig:
         position_tolerance: float = 1e-05,
         rotation_tolerance: float = 1e-05,
         iterations: int = 60,
-        restarts: int = 400,
+        restarts: int = 1500,
         postures: int = 4096,
         damping: float = 0.01,
     ) -> None: ...

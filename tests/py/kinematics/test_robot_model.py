@@ -67,6 +67,13 @@ BAD = {
     "billion laughs": (ENTITIES + GOOD, "document type or entities"),
     "external entity": (EXTERNAL + GOOD.replace('"tip"', '"&x;"'), "document type or entities"),
     "too deep": ("<a>" * 10000 + "</a>" * 10000, "deeper than 64"),
+    "too many links": (
+        robot(
+            *(joint(f"j{i}", f"l{i}", f"l{i + 1}", kind="fixed") for i in range(30000)),
+            links=tuple(f"l{i}" for i in range(30001)),
+        ),
+        "2000 links",
+    ),
     "too large": ("<!--" + "x" * (17 << 20) + "-->", "16 MiB"),
     "no limits": (robot(joint("a", "base", "tip", limit=""), links=("base", "tip")), "limits"),
     "limits without numbers": (

@@ -11,7 +11,7 @@ struct InverseKinematicsConfig {
   double position_tolerance = 1e-5;  ///< of a solution [m]
   double rotation_tolerance = 1e-5;  ///< of a solution [rad]
   int iterations = 60;               ///< at most, of one descent
-  int restarts = 400;                ///< descents at most, besides that from a seed; 0: only from the seed
+  int restarts = 1500;               ///< descents at most, besides that from a seed; 0: only from the seed
   int postures = 4096;               ///< fixed ones that restarts are chosen from
   double damping = 0.01;             ///< times the squared error, of the normal equations
 };

@@ -19,8 +19,8 @@ struct Capsule {
 class RobotModel {
  public:
   /// From a URDF's text. Throws DataError for what is no URDF of a tree of fixed, revolute, continuous and prismatic
-  /// joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB, links without names,
-  /// links with two parents, loops, revolute or prismatic joints without limits, axes of length zero.
+  /// joints: malformed or truncated XML, XML with a document type or entities, above 16 MiB or 2000 links, links
+  /// without names, links with two parents, loops, revolute or prismatic joints without limits, axes of length zero.
   static RobotModel from_urdf(const std::string& xml);
 
   /// The same from a file; also DataError where it cannot be read.
