@@ -40,7 +40,7 @@ IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process
   validate(prior_, model_.goal_dimensions());
   const Eigen::LLT<GoalMatrix> factor(prior_.covariance);
   if (factor.info() == Eigen::Success) prior_root_ = factor.matrixL();
-  require_between("process_noise", process_noise, 0, 1e150, "m^2");
+  require_between("process_noise", process_noise, 0, largest_number * largest_number, "m^2");
 }
 
 const Belief& IntentionFilter::update(std::span<const double> state, std::span<const double> action) {
@@ -48,6 +48,7 @@ const Belief& IntentionFilter::update(std::span<const double> state, std::span<c
           "an action must have one value for every kernel");
   const ActionVector y = Eigen::Map<const ActionVector>(action.data(), static_cast<Eigen::Index>(action.size()));
   require(y.allFinite(), "the action must be finite");
+  require(y.cwiseAbs().maxCoeff() <= largest_number, "the action must lie within 1e20");
   Belief belief = belief_;
   if (process_noise_ > 0) {
     belief.covariance.diagonal().array() += process_noise_;
@@ -63,6 +64,7 @@ const Belief& IntentionFilter::update(std::span<const double> state, std::span<c
   belief.covariance -= gain * moments.cross_covariance.transpose();  // 2.3
   const GoalMatrix symmetric = 0.5 * (belief.covariance + belief.covariance.transpose());
   belief.covariance = without_negative_variances(symmetric);
+  validate(belief, model_.goal_dimensions());  // what no later update could go on from is not kept
   belief_ = belief;
   return belief_;
 }

@@ -70,6 +70,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     drive.save(folder / "drive.mcap")
     blind = dataclasses.replace(drive, map_stamp=np.zeros(0), map_odom=np.zeros((0, 3)), name="blind")
     blind.save(folder / "blind.mcap")
+    dark = dataclasses.replace(blind, ranges=np.full_like(blind.ranges, np.inf), name="dark")
+    dark.save(folder / "dark.mcap")
     silent = dataclasses.replace(drive, joystick_stamp=np.zeros(0), joystick=np.zeros((0, 2)), name="silent")
     silent.save(folder / "silent.mcap")
     return folder
@@ -206,6 +208,10 @@ def test_track_animates_half_seconds_and_the_end(folder, monkeypatch, capsys, tm
         (["goals.safetensors", "blind.mcap", "--start", "1,2"], 2, "--start '1,2' must be X,Y,YAW"),
         (["goals.safetensors", "blind.mcap", "--start", "a,b,c"], 2, "--start 'a,b,c' must be X,Y,YAW"),
         (["goals.safetensors", "blind.mcap", "--start", "nan,0,0"], 2, "--start 'nan,0,0' must be"),
+        (["goals.safetensors", "drive.mcap", "--start", "0,0,0"], 2, "--start is for a drive without poses in the map"),
+        (["goals.safetensors", "blind.mcap", "--start", "500,0,90"], 1, "scans of log 'blind' fits the map about"),
+        (["goals.safetensors", "dark.mcap"], 1, "scans of log 'dark' fits the map about"),
+        (["goals.safetensors", "drive.mcap", "--map", "none.yaml"], 1, "none.yaml: No such file"),
         (["no-map.safetensors", "blind.mcap"], 2, "--map is needed"),
         (["no-map.safetensors", "drive.mcap", "--picture", "p.png"], 2, "--map is needed"),
         (["no-map.safetensors", "blind.mcap", "--map", "none.yaml"], 1, "none.yaml: No such file"),
