@@ -96,10 +96,23 @@ def test_learn_goals_writes_a_model_that_info_describes(folder, quick, monkeypat
         log.save(tmp_path / f"{log.name}.mcap")
         logs.append(tmp_path / f"{log.name}.mcap")
     model = tmp_path / "model.safetensors"
-    words = ["learn", "goals", *logs, "--goals", folder / "goals.yaml", "-o", model, "--subset", "50", "--json"]
+    words = [
+        "learn",
+        "goals",
+        *logs,
+        "--goals",
+        folder / "goals.yaml",
+        "-o",
+        model,
+        "--subset",
+        "50",
+        "--seed",
+        "3",
+        "--json",
+    ]
     code, out, err = run(monkeypatch, capsys, *words)
     assert code == 0, err
-    assert json.loads(out)["subset"] == 50
+    assert (json.loads(out)["subset"], json.loads(out)["seed"]) == (50, 3)
     for stage in ("network", "kernels", "subset"):
         assert stage in err
     assert GoalModel.load(model).goals.map == folder / "room.yaml"
@@ -152,6 +165,8 @@ def test_track_ends_at_the_goal_and_says_so_for_people_and_machines(folder, monk
     assert code == 0
     assert len(out.splitlines()) == len(beliefs) + 1
     assert re.match(r"\s+[\d.]+  left ", out.splitlines()[-1])
+    wide = np.sqrt(np.linalg.eigvalsh(beliefs[-1]["covariance"])[-1])  # the standard deviation where it is largest
+    assert out.splitlines()[-1].split()[2] == f"{wide:.1f}"
 
 
 def test_track_finds_poses_by_itself_where_a_log_has_none(folder, monkeypatch, capsys) -> None:

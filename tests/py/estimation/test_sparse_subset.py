@@ -78,13 +78,6 @@ def test_selection_is_the_naive_one_where_samples_are_too_far_apart_to_matter() 
     assert select_subset(*samples, KERNELS, 12, 20).tolist() == naive(samples, 12, 20, 1)
 
 
-def test_what_is_far_but_not_too_far_to_matter_is_not_left_out() -> None:
-    states, goals, actions = data(150, 12)
-    states[:, 0] = np.linspace(0, 12, 150)  # a block of 32 samples is as wide as a few length-scales
-    samples = states, goals, actions
-    assert select_subset(*samples, KERNELS, 25, 20).tolist() == naive(samples, 25, 20, 1)
-
-
 def test_duplicates_are_taken_last() -> None:
     """ERRATA 13: one that the selected span gains nothing."""
     samples = tuple(np.vstack([part, part]) for part in data(12, 5))
