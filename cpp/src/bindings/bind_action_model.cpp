@@ -8,6 +8,7 @@
 #include "lfdcore/error.hpp"
 #include "lfdcore/estimation/action_model.hpp"
 #include "lfdcore/estimation/belief.hpp"
+#include "lfdcore/estimation/belief_update.hpp"
 #include "lfdcore/estimation/intention_filter.hpp"
 #include "lfdcore/estimation/sparse_subset.hpp"
 
@@ -75,6 +76,29 @@ void bind_kernel(py::module_& m) {
           }));
 }
 
+ActionMoments moments_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                         const Eigen::MatrixXd& cross_covariance) {
+  const Eigen::Index actions = mean.size(), goals = cross_covariance.rows();
+  require(actions <= most_actions && goals <= most_goal_dimensions, "at most 4 actions and 4 dimensions of a goal");
+  require(covariance.rows() == actions && covariance.cols() == actions && cross_covariance.cols() == actions,
+          "mean (Da,), covariance (Da, Da) and cross_covariance (Dg, Da) must fit");
+  return {mean, covariance, cross_covariance};
+}
+
+void bind_moments(py::module_& m) {
+  py::class_<ActionMoments>(m, "ActionMoments", "Joint moments of the action and the goal (Sec. 2.3).")
+      .def(py::init(&moments_of), py::arg("mean"), py::arg("covariance"), py::arg("cross_covariance"),
+           "ValueError for shapes that do not fit.")
+      .def_property_readonly(
+          "mean", [](const ActionMoments& s) { return Eigen::VectorXd(s.mean); }, "m (Da,), a copy")
+      .def_property_readonly(
+          "covariance", [](const ActionMoments& s) { return Eigen::MatrixXd(s.covariance); },
+          "G (Da, Da), a copy: of y, so with the noise (ERRATA 2)")
+      .def_property_readonly(
+          "cross_covariance", [](const ActionMoments& s) { return Eigen::MatrixXd(s.cross_covariance); },
+          "C (Dg, Da), a copy: of the goal with y");
+}
+
 void bind_belief(py::module_& m) {
   py::class_<Belief>(m, "Belief", "A Gaussian over the goal.")
       .def(py::init(&belief_of), py::arg("mean"), py::arg("covariance"),
@@ -86,7 +110,27 @@ void bind_belief(py::module_& m) {
           "covariance", [](const Belief& b) { return Eigen::MatrixXd(b.covariance); }, "(Dg, Dg) [m^2], a copy")
       .def(py::pickle(
           [](const Belief& b) { return py::make_tuple(Eigen::VectorXd(b.mean), Eigen::MatrixXd(b.covariance)); },
-          [](const py::tuple& t) { return belief_of(t[0].cast<Eigen::VectorXd>(), t[1].cast<Eigen::MatrixXd>()); }));
+          [](const py::tuple& t) { return belief_of(t[0].cast<Eigen::VectorXd>(), t[1].cast<Eigen::MatrixXd>()); }))
+      .def(
+          "widened",
+          [](const Belief& self, const Belief& prior, double process_noise) {
+            require(self.mean.size() == prior.mean.size(), "belief and prior must have as many dimensions");
+            require_between("process_noise", process_noise, 0, largest_number * largest_number, "m^2");
+            return widened(self, prior, process_noise);
+          },
+          py::arg("prior"), py::arg("process_noise"),
+          "With process_noise [m^2] more variance along every axis, then cut where that is wider than the prior (not "
+          "if "
+          "the prior is singular). ValueError for a negative process_noise.")
+      .def(
+          "conditioned",
+          [](const Belief& self, const ActionMoments& moments, const Eigen::VectorXd& action) {
+            require(action.size() <= most_actions, "an action must have one value for every kernel");
+            return conditioned(self, moments, action);
+          },
+          py::arg("moments"), py::arg("action"),
+          "The belief after the action (Da,), whose joint moments with the goal these are (2.2-2.3). ValueError for "
+          "other sizes, for what is not finite and if the action's covariance is singular (kernels without noise).");
   m.def(
       "goal_likelihoods",
       [](const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, const RowMatrix& goals) {
@@ -99,15 +143,6 @@ void bind_belief(py::module_& m) {
 }
 
 void bind_model(py::module_& m) {
-  py::class_<ActionMoments>(m, "ActionMoments", "Joint moments of the action and the goal (Sec. 2.3).")
-      .def_property_readonly(
-          "mean", [](const ActionMoments& s) { return Eigen::VectorXd(s.mean); }, "m (Da,), a copy")
-      .def_property_readonly(
-          "covariance", [](const ActionMoments& s) { return Eigen::MatrixXd(s.covariance); },
-          "G (Da, Da), a copy: of y, so with the noise (ERRATA 2)")
-      .def_property_readonly(
-          "cross_covariance", [](const ActionMoments& s) { return Eigen::MatrixXd(s.cross_covariance); },
-          "C (Dg, Da), a copy: of the goal with y");
   py::class_<ActionModel>(
       m, "ActionModel",
       "What a driver does on the way to a goal: Gaussian processes p(y_a | goal, state), conditioned "
@@ -122,10 +157,10 @@ void bind_model(py::module_& m) {
            py::arg("states"), py::arg("goals"), py::arg("actions"), py::arg("kernels"), py::arg("subset") = py::none(),
            py::arg("projected") = true,
            "states (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. subset (S,) integers: the "
-           "samples "
-           "to use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of "
-           "the "
-           "subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. Holds 4 N^2 bytes "
+           "samples to "
+           "use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of "
+           "the subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. Holds 4 N^2 "
+           "bytes "
            "an action, 4 S^2 with a subset. ValueError for data that do not fit or are not finite, indices out of "
            "range or named twice, a covariance that is not positive definite.")
       .def(
@@ -161,9 +196,8 @@ void bind_filter(py::module_& m) {
              return std::make_unique<SharedFilter>(IntentionFilter(model, belief_of(mean, covariance), process_noise));
            }),
            py::arg("model"), py::arg("mean"), py::arg("covariance"), py::arg("process_noise") = 0.0,
-           "Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's "
-           "diagonal before every update, which makes it no wider than the prior's: 0 is the thesis, whose belief gets "
-           "overconfident (ERRATA 6). ValueError for "
+           "Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] widens the belief before every "
+           "update (Belief.widened): 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for "
            "a prior that is none of the model's goals and a negative process_noise.")
       .def(
           "update",
@@ -221,6 +255,7 @@ void bind_subset(py::module_& m) {
 
 void bind_action_model(py::module_& m) {
   bind_kernel(m);
+  bind_moments(m);
   bind_belief(m);
   bind_model(m);
   bind_filter(m);

@@ -348,32 +348,17 @@ class ActionKernel:
         (Dx,), a view
         """
 
-class Belief:
-    """
-    A Gaussian over the goal.
-    """
-
-    def __init__(self, mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike) -> None:
-        """
-        mean (Dg,) [m], covariance (Dg, Dg) [m^2], may be singular. ValueError unless finite, symmetric and positive semidefinite (up to 1e-9 of the trace).
-        """
-
-    @property
-    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        (Dg, Dg) [m^2], a copy
-        """
-
-    @property
-    def mean(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        (Dg,) [m], a copy
-        """
-
 class ActionMoments:
     """
     Joint moments of the action and the goal (Sec. 2.3).
     """
+
+    def __init__(
+        self, mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike, cross_covariance: numpy.typing.ArrayLike
+    ) -> None:
+        """
+        ValueError for shapes that do not fit.
+        """
 
     @property
     def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -391,6 +376,38 @@ class ActionMoments:
     def mean(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         m (Da,), a copy
+        """
+
+class Belief:
+    """
+    A Gaussian over the goal.
+    """
+
+    def __init__(self, mean: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike) -> None:
+        """
+        mean (Dg,) [m], covariance (Dg, Dg) [m^2], may be singular. ValueError unless finite, symmetric and positive semidefinite (up to 1e-9 of the trace).
+        """
+
+    def conditioned(self, moments: ActionMoments, action: numpy.typing.ArrayLike) -> Belief:
+        """
+        The belief after the action (Da,), whose joint moments with the goal these are (2.2-2.3). ValueError for other sizes, for what is not finite and if the action's covariance is singular (kernels without noise).
+        """
+
+    def widened(self, prior: Belief, process_noise: float) -> Belief:
+        """
+        With process_noise [m^2] more variance along every axis, then cut where that is wider than the prior (not if the prior is singular). ValueError for a negative process_noise.
+        """
+
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dg, Dg) [m^2], a copy
+        """
+
+    @property
+    def mean(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (Dg,) [m], a copy
         """
 
 class ActionModel:
@@ -470,7 +487,7 @@ class IntentionFilter:
         process_noise: float = 0.0,
     ) -> None:
         """
-        Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] is added to the covariance's diagonal before every update, which makes it no wider than the prior's: 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for a prior that is none of the model's goals and a negative process_noise.
+        Prior mean (Dg,) [m] and covariance (Dg, Dg) [m^2]; process_noise [m^2] widens the belief before every update (Belief.widened): 0 is the thesis, whose belief gets overconfident (ERRATA 6). ValueError for a prior that is none of the model's goals and a negative process_noise.
         """
 
     def reset(self) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lfdcore.estimation import ActionModel
     from lfdcore.geometry import Pose2
     from lfdcore.grid import OccupancyGrid
-    from lfdcore.study.goal_evaluation import BeliefTrack
+    from lfdcore.wheelchair.belief_track import BeliefTrack
     from lfdcore.wheelchair.global_goal import GoalModel, OtherActionModel
     from lfdcore.wheelchair.goal_samples import GoalSamples
 
@@ -55,7 +55,7 @@ def track(
 ) -> None:
     """Follow the belief over destinations along a drive. Poses are the log's or, without any, a scan matcher's."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.goal_evaluation import track_beliefs
+    from lfdcore.wheelchair.belief_track import track_beliefs
     from lfdcore.wheelchair.global_goal import GoalModel
 
     if device is not None and not full:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.goals import Goals
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study.goal_evaluation import BeliefTrack
 from lfdcore.study.goal_plots import goal_colour, square_around
 from lfdcore.study.plots import PAGE, STYLE, Limits, draw_grid, styled
+from lfdcore.wheelchair.belief_track import BeliefTrack
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
 Floats = NDArray[np.float64]

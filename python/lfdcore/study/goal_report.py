@@ -67,6 +67,21 @@ def consistency_table(result: GoalResult) -> Table:
     )
 
 
+def process_noise_table(result: GoalResult) -> Table | None:
+    """How the process noise was chosen, on the drives to learn from alone; None where it was not."""
+    if not result.model.left_out:
+        return None
+    rows = [(f"{one.process_noise:g}", _percent(one.accuracy), f"{one.nees:.2f}") for one in result.model.left_out]
+    first = result.model.left_out[0]
+    return Table(
+        f"Process noise, by leaving {first.drives} of the drives to learn from out (n = {first.samples} samples)",
+        ("process noise [m^2]", "named right", "NEES / 2"),
+        tuple(rows),
+        f"Chosen: {result.model.config.process_noise:g} m^2 an update, whose NEES is nearest to its dimension. The "
+        "held-out drives had no part in it.",
+    )
+
+
 def noise_table(result: GoalResult) -> Table:
     """Table 2.1: when the network was 90 % sure, by noise on the stick."""
     rows = []
@@ -188,7 +203,16 @@ def aims_table(result: GoalResult) -> Table:
 
 def goal_tables(result: GoalResult) -> list[Table]:
     """All tables, figures to reach first."""
-    made = (aims_table, accuracy_table, consistency_table, noise_table, pose_table, likelihood_table, time_table)
+    made = (
+        aims_table,
+        accuracy_table,
+        consistency_table,
+        process_noise_table,
+        noise_table,
+        pose_table,
+        likelihood_table,
+        time_table,
+    )
     return [table for make in made if (table := make(result)) is not None]
 
 

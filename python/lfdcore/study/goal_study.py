@@ -18,10 +18,8 @@ from lfdcore.study.goal_drives import GoalDrives, noisy_joystick, perturbed_pose
 from lfdcore.study.goal_evaluation import (
     BASELINES,
     Accuracy,
-    BeliefTrack,
     accuracy,
     confidence_time,
-    track_beliefs,
 )
 from lfdcore.training.goal_models import (
     GoalLearningConfig,
@@ -30,6 +28,7 @@ from lfdcore.training.goal_models import (
     learn_goals,
     moving,
 )
+from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
 from lfdcore.wheelchair.global_goal import GoalModel
 from lfdcore.wheelchair.goal_network import smoothed_over_time
 from lfdcore.wheelchair.goal_samples import GoalSamples, drive_samples, goal_samples

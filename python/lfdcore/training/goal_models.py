@@ -1,10 +1,10 @@
-"""Learns destinations from drives (Ch. 2): hyper-parameters, subset, network -> GoalModel."""
+"""Learns destinations from drives (Ch. 2): network, hyper-parameters, process noise, subset -> GoalModel."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -21,7 +21,8 @@ from lfdcore.estimation import (
 )
 from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
-from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
+from lfdcore.training.process_noise import best_calibrated, leave_drives_out
+from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_samples, goal_state
 
 Progress = Callable[[str, int, int], None]
@@ -55,7 +56,8 @@ class GoalLearningConfig:
     """filter: how the model will be used; network: of Sec. 2.2; search_samples: drawn by seed, on which kernels (C.3)
     are searched for `searches` times from other populations of `generations` each, the best being kept; longest: ends
     of that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it
-    takes the best at a step."""
+    takes the best at a step; process_noises [m^2]: the filter's is the one of these that makes beliefs as wide as their
+    errors along the drives that `folds` leave out, the largest of all if no destination has two drives."""
 
     filter: GoalFilterConfig = field(default_factory=GoalFilterConfig)
     network: GoalNetConfig = field(default_factory=GoalNetConfig)
@@ -65,19 +67,25 @@ class GoalLearningConfig:
     generations: int = 60
     subset: int = 800
     candidates: int = 59
+    process_noises: tuple[float, ...] = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
+    folds: int = 3
     seed: int = 1
 
     def __post_init__(self) -> None:
         if not 2 <= self.search_samples <= 800:
             raise ValueError(f"search_samples is {self.search_samples}, must be 2..800: the likelihood costs its cube")
-        for name in ("searches", "generations", "subset", "candidates"):
+        for name in ("searches", "generations", "subset", "candidates", "folds"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} is {getattr(self, name)}, must be at least 1")
+        if not self.process_noises or not all(0 <= noise < np.inf for noise in self.process_noises):
+            raise ValueError(f"process_noises are {self.process_noises} m^2, must be one or more, >= 0 and finite")
 
     @staticmethod
     def thesis() -> GoalLearningConfig:
         """The printed form: see GoalFilterConfig.thesis."""
-        return GoalLearningConfig(filter=GoalFilterConfig.thesis(), network=GoalNetConfig(heading="raw"))
+        return GoalLearningConfig(
+            filter=GoalFilterConfig.thesis(), network=GoalNetConfig(heading="raw"), process_noises=(0.0,)
+        )
 
 
 def learn_goals(
@@ -96,10 +104,26 @@ def learn_goals(
     samples = moving(goal_samples(logs, goals), config.filter.at_rest)
     network = train_goal_network(samples, len(goals), config.network, lambda d, n: tell("network", d, n))
     kernels = fit_action_kernels(samples, goals, config, tell, processes)
-    states = goal_state(samples.pose, samples.twist, config.filter.heading)
+
+    def with_subset(chosen: GoalSamples) -> GoalModel:
+        subset = _chosen_subset(chosen, goals, kernels, config)
+        return GoalModel(goals, chosen, kernels, subset, network, config.filter)
+
+    left_out = leave_drives_out(
+        samples, config.folds, config.process_noises, with_subset, lambda d, n: tell("process noise", d, n)
+    )
     tell("subset", 0, 1)
-    subset = select_subset(
-        states,
+    model = with_subset(samples)
+    tell("subset", 1, 1)
+    metadata = {"logs": [log.name for log in logs], "data_sha256": data_hash(samples), "seed": config.seed}
+    return replace(model, config=_calibrated(config, left_out), left_out=tuple(left_out), metadata=metadata)
+
+
+def _chosen_subset(
+    samples: GoalSamples, goals: Goals, kernels: tuple[ActionKernel, ActionKernel], config: GoalLearningConfig
+) -> NDArray[np.int64]:
+    return select_subset(
+        goal_state(samples.pose, samples.twist, config.filter.heading),
         goals.positions[samples.goal],
         samples.joystick,
         list(kernels),
@@ -107,9 +131,12 @@ def learn_goals(
         candidates=config.candidates,
         seed=config.seed,
     )
-    tell("subset", 1, 1)
-    metadata = {"logs": [log.name for log in logs], "data_sha256": data_hash(samples), "seed": config.seed}
-    return GoalModel(goals, samples, kernels, subset, network, config.filter, metadata)
+
+
+def _calibrated(config: GoalLearningConfig, left_out: list[LeftOutFigures]) -> GoalFilterConfig:
+    """The filter with the process noise that drives left out ask for."""
+    noise = best_calibrated(left_out) if left_out else max(config.process_noises)
+    return replace(config.filter, process_noise=noise)
 
 
 def moving(samples: GoalSamples, at_rest: float) -> GoalSamples:

@@ -8,27 +8,15 @@ D is kept whole: 8 N^2 bytes an action. On a CPU both are slower than C++ (bench
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from lfdcore.estimation import ActionKernel, Belief
+from lfdcore.estimation import ActionKernel, ActionMoments, Belief
 from lfdcore.wheelchair.global_goal import GoalModel
 
 Floats = NDArray[np.float64]
-
-
-class TorchActionMoments(NamedTuple):
-    """As lfdcore.estimation.ActionMoments."""
-
-    mean: Floats
-    """m (Da,)"""
-    covariance: Floats
-    """G (Da, Da), with the noise (ERRATA 2)"""
-    cross_covariance: Floats
-    """C (Dg, Da)"""
 
 
 class TorchActionModel:
@@ -80,7 +68,7 @@ class TorchActionModel:
         """What GoalFilter asks of a model that is not the C++ one."""
         return TorchIntentionFilter(self, mean, covariance, process_noise)
 
-    def moments(self, state: ArrayLike, mean: ArrayLike, covariance: ArrayLike) -> TorchActionMoments:
+    def moments(self, state: ArrayLike, mean: ArrayLike, covariance: ArrayLike) -> ActionMoments:
         """Exact moments at state (Dx,) for a goal ~ N(mean (Dg,), covariance (Dg, Dg)). ValueError for other sizes and
         what is not finite."""
         given = [np.array(part, float) for part in (state, mean, covariance)]
@@ -103,7 +91,7 @@ class TorchActionModel:
         for a in range(count):
             for b in range(a + 1):
                 G[a, b] = G[b, a] = self._second(a, b, u, sigma, near[a], pulled[a], pulled[b]) - m[a] * m[b]
-        return TorchActionMoments(m, G, C.T)
+        return ActionMoments(m, G, C.T)
 
     def _tensor(self, values: ArrayLike) -> torch.Tensor:
         return torch.tensor(np.asarray(values), dtype=torch.float64, device=self.device)
@@ -172,7 +160,6 @@ class TorchIntentionFilter:
             raise ValueError(f"process_noise is {process_noise} m^2, must be >= 0 and finite")
         self.model, self.process_noise = model, process_noise
         self._prior = self._belief = Belief(np.asarray(mean, float), np.asarray(covariance, float))
-        self._root = _root(self._prior.covariance)
 
     @property
     def belief(self) -> Belief:
@@ -186,29 +173,9 @@ class TorchIntentionFilter:
     def update(self, state: ArrayLike, action: ArrayLike) -> Belief:
         """The action (Da,) taken at state (Dx,) -> the new belief. ValueError, and the belief stays as it was, for
         other sizes, for what is not finite and if the action's covariance is singular."""
-        y = np.asarray(action, float)
-        if y.shape != (len(self.model.kernels),) or not np.isfinite(y).all():
-            raise ValueError(f"action must be {len(self.model.kernels)} finite numbers, is {y.tolist()}")
-        mean, covariance = self._belief.mean, self._widened(self._belief.covariance)
-        m, G, C = self.model.moments(state, mean, covariance)
-        if _root(G) is None:
-            raise ValueError("the action's covariance is singular: give the action kernels a larger noise")
-        gain = np.linalg.solve(G, C.T).T
-        covariance = covariance - gain @ C.T  # 2.3
-        self._belief = Belief(mean + gain @ (y - m), _positive(0.5 * (covariance + covariance.T)))  # 2.2
+        wider = self._belief.widened(self._prior, self.process_noise)
+        self._belief = wider.conditioned(self.model.moments(state, wider.mean, wider.covariance), action)
         return self._belief
-
-    def _widened(self, covariance: Floats) -> Floats:
-        """By the process noise, but in no direction beyond the prior."""
-        if self.process_noise == 0:
-            return covariance
-        wider = covariance + self.process_noise * np.eye(len(covariance))
-        if self._root is None:
-            return wider
-        relative = np.linalg.solve(self._root, np.linalg.solve(self._root, wider).T)
-        values, vectors = np.linalg.eigh(0.5 * (relative + relative.T))
-        basis = self._root @ vectors
-        return wider if values.max() <= 1 else np.asarray((basis * values.clip(max=1)) @ basis.T)
 
 
 def full_action_model(model: GoalModel, device: str) -> TorchActionModel:
@@ -238,17 +205,3 @@ def _require_fitting(states: Floats, goals: Floats, actions: Floats, kernels: Se
     for kernel in kernels:
         if (len(kernel.state_lengthscales), len(kernel.goal_lengthscales)) != (states.shape[1], goals.shape[1]):
             raise ValueError(f"a kernel's length-scales must fit states and goals of shape {shapes[0]}, {shapes[1]}")
-
-
-def _root(covariance: Floats) -> Floats | None:
-    """Lower Cholesky factor; None where there is none."""
-    try:
-        return np.asarray(np.linalg.cholesky(covariance))
-    except np.linalg.LinAlgError:
-        return None
-
-
-def _positive(covariance: Floats) -> Floats:
-    """Without a variance below 0, which a belief that collapses in one update may be left with by rounding."""
-    values, vectors = np.linalg.eigh(covariance)
-    return covariance if values.min() >= 0 else np.asarray((vectors * values.clip(0)) @ vectors.T)

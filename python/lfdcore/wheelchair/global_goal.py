@@ -22,7 +22,7 @@ from lfdcore.wheelchair.goal_network import GoalNetwork
 from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_state
 from lfdcore.wheelchair.tensor_file import Tensors, read_tensor_file, write_tensor_file
 
-KIND, VERSION = "lfdcore goals", 1
+KIND, VERSION = "lfdcore goals", 2
 Floats = NDArray[np.float64]
 Data = Literal["sparse", "full"]
 """On which data a filter runs: the subset of Alg. 1, or all."""
@@ -37,8 +37,9 @@ class GoalFilterConfig:
     heading: Heading = "embedded"
     projected: bool = True
     """The subset projects all data (ERRATA 14); False: it replaces them, as printed."""
-    process_noise: float = 0.8
-    """[m^2] that the belief's variance grows by at each update: samples at 10 Hz are not independent (ERRATA 6)."""
+    process_noise: float = 0.0
+    """[m^2] that the belief's variance grows by at each update: samples at 10 Hz are not independent (ERRATA 6).
+    `learn_goals` chooses it from the drives; 0, as printed, makes beliefs surer than they may be."""
     at_rest: float = 0.05
     """A stick displaced less says nothing of a destination: not learned from, and the belief stays."""
 
@@ -53,8 +54,8 @@ class GoalFilterConfig:
 
     @staticmethod
     def thesis() -> GoalFilterConfig:
-        """The yaw as a number, the subset in the place of the data, no process noise, every sample."""
-        return GoalFilterConfig(heading="raw", projected=False, process_noise=0.0, at_rest=0.0)
+        """The yaw as a number, the subset in the place of the data, every sample (and no process noise)."""
+        return GoalFilterConfig(heading="raw", projected=False, at_rest=0.0)
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,31 @@ class GoalBelief:
 
 
 @dataclass(frozen=True)
+class LeftOutFigures:
+    """Beliefs along drives that their model had not learned from, with one process noise."""
+
+    process_noise: float
+    """[m^2]"""
+    samples: int
+    drives: int
+    accuracy: float
+    """share of samples whose destination was nearest to the mean"""
+    nees: float
+    """over its dimension, 2: 1 where beliefs are as wide as their errors"""
+
+    def __post_init__(self) -> None:
+        values = (self.process_noise, self.samples, self.drives, self.accuracy, self.nees)
+        if not all(isinstance(value, (int, float)) and 0 <= value < np.inf for value in values):
+            raise ValueError(f"figures of left-out drives must be finite and >= 0, are {values}")
+
+    def __str__(self) -> str:
+        return (
+            f"{self.process_noise:g} m^2 an update; along {self.drives} drives left out {100 * self.accuracy:.0f} % of "
+            f"{self.samples} samples named right, NEES / 2 {self.nees:.2f}"
+        )
+
+
+@dataclass(frozen=True)
 class GoalModel:
     """Destinations, the drives to them, and what was learned: see the module. ValueError for parts that do not fit."""
 
@@ -83,6 +109,8 @@ class GoalModel:
     """(S,) of the samples, in the order of their selection (Alg. 1)"""
     network: GoalNetwork
     config: GoalFilterConfig
+    left_out: tuple[LeftOutFigures, ...] = ()
+    """by process noise; the filter's was chosen by them"""
     metadata: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -115,7 +143,9 @@ class GoalModel:
         """What was learned from what, for people: flat, in JSON values."""
         goals = {goal.name: f"{goal.x:g}, {goal.y:g} m" for goal in self.goals.goals}
         sizes = {"samples": len(self.samples), "drives": len(set(self.samples.drive.tolist()))}
-        return {**self.metadata, "goals": goals, **sizes, "subset": len(self.subset)}
+        noise = f"{self.config.process_noise:g} m^2 an update"
+        chosen = next((str(one) for one in self.left_out if one.process_noise == self.config.process_noise), noise)
+        return {**self.metadata, "goals": goals, **sizes, "subset": len(self.subset), "process noise": chosen}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
@@ -123,7 +153,7 @@ class GoalModel:
         kernels = [_kernel_values(kernel) for kernel in self.kernels]
         header: dict[str, Any] = {"goals": goals, "map": str(self.goals.map or ""), "frame": "map", "kernels": kernels}
         header |= {"config": dataclasses.asdict(self.config), "network_heading": self.network.heading}
-        header["metadata"] = self.metadata
+        header |= {"left_out": [dataclasses.asdict(one) for one in self.left_out], "metadata": self.metadata}
         write_tensor_file(path, KIND, VERSION, header, self._tensors())
 
     def _tensors(self) -> Tensors:
@@ -151,7 +181,8 @@ class GoalModel:
         network = GoalNetwork(header["network_heading"], **weights)
         if not isinstance(header["metadata"], dict):
             raise ValueError(f"metadata is {header['metadata']!r}, must be an object")
-        return cls(goals, samples, (first, second), tensors["subset"], network, config, header["metadata"])
+        left_out = tuple(LeftOutFigures(**figures) for figures in header["left_out"])
+        return cls(goals, samples, (first, second), tensors["subset"], network, config, left_out, header["metadata"])
 
 
 def _require_indices(what: str, indices: NDArray[np.int64], count: int) -> None:

@@ -21,9 +21,9 @@ from lfdcore.study.belief_plots import (
     likelihood_figure,
     save_belief_animation,
 )
-from lfdcore.study.goal_evaluation import BeliefTrack, track_beliefs
 from lfdcore.study.goal_plots import square_around
 from lfdcore.study.plots import png
+from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
 from lfdcore.wheelchair.goal_samples import GoalSamples
 
 

@@ -15,7 +15,6 @@ from goal_worlds import GOALS, drive_to, drives, samples_of, tiny_model
 
 from lfdcore.study.goal_evaluation import (
     BASELINES,
-    BeliefTrack,
     accuracy,
     agreement,
     along_heading,
@@ -25,8 +24,8 @@ from lfdcore.study.goal_evaluation import (
     nearest_neighbour,
     prior_only,
     quarter_of_drive,
-    track_beliefs,
 )
+from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
 from lfdcore.wheelchair.global_goal import GoalFilter
 from lfdcore.wheelchair.goal_samples import GoalSamples
 

@@ -8,7 +8,7 @@ import pytest
 
 from lfdcore.datasets import Goals
 from lfdcore.study.goal_drives import RUNS_EACH, GoalDrives, noisy_joystick, perturbed_poses
-from lfdcore.study.goal_evaluation import BASELINES, agreement, confidence_time, drives_of, track_beliefs
+from lfdcore.study.goal_evaluation import BASELINES, agreement, confidence_time, drives_of
 from lfdcore.study.goal_report import (
     accuracy_table,
     aims,
@@ -34,6 +34,7 @@ from lfdcore.study.goal_study import (
 )
 from lfdcore.training.goal_models import GoalLearningConfig
 from lfdcore.training.goal_net import GoalNetConfig
+from lfdcore.wheelchair.belief_track import track_beliefs
 from lfdcore.wheelchair.goal_samples import drive_samples
 
 SMALL = GoalLearningConfig(
@@ -269,7 +270,7 @@ def test_the_report_holds_five_pictures_all_tables_and_its_command(result: GoalR
     path = write_goal_report(result, tmp_path, "lfdcore study goals -o out")
     text = path.read_text()
     assert text.count("<img") + text.count("<svg") >= 5
-    assert text.count("<table") == len(goal_tables(result)) == 7
+    assert text.count("<table") == len(goal_tables(result)) == 8
     assert "lfdcore study goals -o out" in text
     figures = json.loads((tmp_path / "figures.json").read_text())
     shares = {row["method"]: row["accuracy"] for row in figures if "method" in row}

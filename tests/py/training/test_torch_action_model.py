@@ -123,14 +123,14 @@ def test_an_update_that_is_refused_leaves_the_belief() -> None:
     running = full_action_model(model, "cpu").intention_filter(mean, covariance)
     state = model.action_samples()[0][0]
     before = running.update(state, [0.5, 0.1])
-    for refused in (
-        lambda: running.update(state, [0.5]),
-        lambda: running.update(state, [np.nan, 0.1]),
-        lambda: running.update(state[:3], [0.5, 0.1]),
-        lambda: running.update(state * np.inf, [0.5, 0.1]),
+    for at, action, said in (
+        (state, [0.5], "one value for every kernel"),
+        (state, [np.nan, 0.1], "action must be finite"),
+        (state[:3], [0.5, 0.1], "finite numbers"),
+        (state * np.inf, [0.5, 0.1], "finite numbers"),
     ):
-        with pytest.raises(ValueError, match="finite numbers"):
-            refused()
+        with pytest.raises(ValueError, match=said):
+            running.update(at, action)
     np.testing.assert_array_equal(running.belief.mean, before.mean)
     np.testing.assert_array_equal(running.belief.covariance, before.covariance)
     with pytest.raises(ValueError, match="process_noise is -1"):

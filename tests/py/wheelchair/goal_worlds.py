@@ -68,7 +68,7 @@ def tiny_model(count: int = 40, *, seed: int = 1, **config: object) -> GoalModel
     sizes = [2.0, 2.0, *[0.8] * (width - 4), 0.5, 1.0]
     kernels = (ActionKernel(0.5, sizes, [5.0, 5.0], 0.1), ActionKernel(0.4, sizes, [6.0, 4.0], 0.15))
     subset = rng.permutation(count)[: count // 2]
-    return GoalModel(GOALS, samples, kernels, subset, network, how, {"seed": seed})
+    return GoalModel(GOALS, samples, kernels, subset, network, how, metadata={"seed": seed})
 
 
 @cache

@@ -11,10 +11,10 @@ namespace lfdcore {
 /// One caller at a time.
 class IntentionFilter {
  public:
-  /// `process_noise` [m^2] is added to the covariance's diagonal before every update, which then is cut where it got
-  /// wider than the prior's (unless that is singular). 0 is the thesis: then successive actions count as independent
-  /// and the belief gets overconfident (ERRATA 6). Throws std::invalid_argument for a prior that is none of the model's
-  /// goals and for a process noise outside [0, 1e40] m^2.
+  /// `process_noise` [m^2] widens the belief before every update, but not beyond the prior (belief_update.hpp). 0 is
+  /// the thesis: then successive actions count as independent and the belief gets overconfident (ERRATA 6). Throws
+  /// std::invalid_argument for a prior that is none of the model's goals and for a process noise outside
+  /// [0, 1e40] m^2.
   IntentionFilter(ActionModel model, Belief prior, double process_noise = 0);
 
   /// 2.2-2.3 with the action (Da,) taken at state (Dx,). No allocation. Throws std::invalid_argument, and leaves the
@@ -30,7 +30,6 @@ class IntentionFilter {
  private:
   ActionModel model_;
   Belief prior_, belief_;
-  GoalMatrix prior_root_;  // lower Cholesky factor of the prior's covariance, empty if that is singular
   double process_noise_;
   std::vector<double> scratch_;
 };
