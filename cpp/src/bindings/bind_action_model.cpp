@@ -1,5 +1,7 @@
+#include <cmath>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "common.hpp"
@@ -15,6 +17,18 @@ namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Indices = py::array_t<std::int64_t, py::array::c_style>;
+
+// Asked for as doubles: as integers, NumPy would cut 1.5 to 1 in silence.
+std::vector<std::int64_t> indices_of(const Doubles& given) {
+  require(given.ndim() == 1, "the subset has " + std::to_string(given.ndim()) + " dimensions, must be (S,)");
+  std::vector<std::int64_t> indices;
+  for (const double value : std::span(given.data(), static_cast<std::size_t>(given.size()))) {
+    require(std::abs(value) < 9e15 && std::floor(value) == value,
+            "the subset names sample " + std::to_string(value) + ", must be integers");
+    indices.push_back(static_cast<std::int64_t>(value));
+  }
+  return indices;
+}
 
 std::span<const double> view(const Doubles& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
@@ -45,7 +59,9 @@ void bind_kernel(py::module_& m) {
            }),
            py::arg("amplitude"), py::arg("state_lengthscales"), py::arg("goal_lengthscales"), py::arg("noise"),
            "amplitude and noise: standard deviations in the action's unit; state_lengthscales (Dx,) in the state's "
-           "units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise >= 0, all others > 0, all finite.")
+           "units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise is in [0, 1e20], all others in "
+           "[1e-20, "
+           "1e20].")
       .def_readonly("amplitude", &ActionKernel::amplitude)
       .def_readonly("state_lengthscales", &ActionKernel::state_lengthscales, "(Dx,), a view")
       .def_readonly("goal_lengthscales", &ActionKernel::goal_lengthscales, "(Dg,) [m], a view")
@@ -99,7 +115,7 @@ void bind_belief(py::module_& m) {
           "widened",
           [](const Belief& self, const Belief& prior, double process_noise) {
             require(self.mean.size() == prior.mean.size(), "belief and prior must have as many dimensions");
-            require_between("process_noise", process_noise, 0, 1e150, "m^2");
+            require_between("process_noise", process_noise, 0, largest_number * largest_number, "m^2");
             return widened(self, prior, process_noise);
           },
           py::arg("prior"), py::arg("process_noise"),
@@ -132,9 +148,9 @@ void bind_model(py::module_& m) {
       "What a driver does on the way to a goal: Gaussian processes p(y_a | goal, state), conditioned "
       "once (Sec. 2.3, ERRATA 1-4 and 14), then asked as often as wanted, from any thread.")
       .def(py::init([](const RowMatrix& states, const RowMatrix& goals, const RowMatrix& actions,
-                       std::vector<ActionKernel> kernels, const std::optional<Indices>& subset, bool projected) {
+                       std::vector<ActionKernel> kernels, const std::optional<Doubles>& subset, bool projected) {
              std::vector<std::int64_t> chosen;
-             if (subset) chosen.assign(subset->data(), subset->data() + subset->size());
+             if (subset) chosen = indices_of(*subset);
              const py::gil_scoped_release free;
              return ActionModel(states, goals, actions, std::move(kernels), subset ? &chosen : nullptr, projected);
            }),

@@ -319,7 +319,8 @@ ActionMoments ActionModel::moments(std::span<const double> state, const Belief& 
   const Conditioned& data = *data_;
   require(state.size() == static_cast<std::size_t>(data.state_dims),
           "a state must have one value for every state length-scale");
-  require(std::ranges::all_of(state, [](double x) { return std::isfinite(x); }), "the state must be finite");
+  require(std::ranges::all_of(state, [](double x) { return std::abs(x) <= largest_number; }),
+          "the state must be finite and within 1e20");
   require(scratch.size() >= scratch_size(), "the scratch is smaller than scratch_size()");
   validate(belief, data.goal_dims);
   const detail::SubnormalsFlushed flushed;

@@ -3,20 +3,34 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
+namespace {
+
+void require_scale(std::string_view name, double value, std::string_view unit) {
+  require_positive(name, value, unit);
+  require_between(name, value, 1 / largest_number, largest_number, unit);
+}
+
+void require_usable(std::string_view name, const RowMatrix& values) {
+  require(values.allFinite(), "states, goals and actions must be finite, drop samples with NaN");
+  require_between(name, values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0, 0, largest_number, "(the largest)");
+}
+
+}  // namespace
 
 void validate(const ActionKernel& kernel) {
-  require_positive("amplitude", kernel.amplitude, "");
-  require_between("noise", kernel.noise, 0, 1e150, "(a standard deviation)");
+  require_scale("amplitude", kernel.amplitude, "");
+  require_between("noise", kernel.noise, 0, largest_number, "(a standard deviation)");
   require(kernel.state_lengthscales.size() > 0, "an action kernel needs a length-scale for every state dimension");
   require(kernel.goal_lengthscales.size() > 0 && kernel.goal_lengthscales.size() <= most_goal_dimensions,
           "an action kernel has " + std::to_string(kernel.goal_lengthscales.size()) +
               " goal length-scales, must have 1 to " + std::to_string(most_goal_dimensions));
-  for (const double l : kernel.state_lengthscales) require_positive("a state length-scale", l, "");
-  for (const double l : kernel.goal_lengthscales) require_positive("a goal length-scale", l, "m");
+  for (const double l : kernel.state_lengthscales) require_scale("a state length-scale", l, "");
+  for (const double l : kernel.goal_lengthscales) require_scale("a goal length-scale", l, "m");
 }
 
 namespace detail {
@@ -39,8 +53,9 @@ void check_action_data(const RowMatrix& states, const RowMatrix& goals, const Ro
                 " columns, a kernel has " + std::to_string(kernel.state_lengthscales.size()) + " and " +
                 std::to_string(kernel.goal_lengthscales.size()) + " length-scales");
   }
-  require(states.allFinite() && goals.allFinite() && actions.allFinite(),
-          "states, goals and actions must be finite, drop samples with NaN");
+  require_usable("a state", states);
+  require_usable("a goal", goals);
+  require_usable("an action", actions);
 }
 
 void check_subset(const std::vector<std::int64_t>& subset, Eigen::Index count) {

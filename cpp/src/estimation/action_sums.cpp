@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t lanes = 32;
 constexpr double lowest = -600;  // the vector exp is slow near its underflow
 
+// log W <= 0; where goals are 1e8 length-scales apart, rounding would have it otherwise.
+inline double bounded(double exponent) { return exponent < lowest ? lowest : exponent > 0 ? 0 : exponent; }
+
 }  // namespace
 
 LFDCORE_CLONES void pair_column(const PairTerms& terms, std::size_t column, std::size_t count, double* __restrict out) {
@@ -26,7 +29,7 @@ LFDCORE_CLONES void pair_column(const PairTerms& terms, std::size_t column, std:
     const double* slopes = terms.slopes + d * terms.row_stride;
     for (std::size_t i = 0; i < count; ++i) out[i] += slopes[i] * at;
   }
-  for (std::size_t i = 0; i < count; ++i) out[i] = out[i] < lowest ? lowest : out[i];
+  for (std::size_t i = 0; i < count; ++i) out[i] = bounded(out[i]);
   for (std::size_t i = 0; i < count; ++i) out[i] = exp(out[i]);
 }
 
@@ -40,7 +43,7 @@ LFDCORE_CLONES PairSums pair_sums(const PairTerms& terms, std::size_t row, std::
       const double* slopes = terms.slopes + d * terms.row_stride + row;
       for (std::size_t i = 0; i < lanes; ++i) W[i] += slopes[i] * at;
     }
-    for (std::size_t i = 0; i < lanes; ++i) W[i] = W[i] < lowest ? lowest : W[i];
+    for (std::size_t i = 0; i < lanes; ++i) W[i] = bounded(W[i]);
     for (std::size_t i = 0; i < lanes; ++i) W[i] = exp(W[i]);
     for (std::size_t i = 0; i < lanes; ++i) weighted[i] += W[i] * y[j];
     if (!inverse) continue;

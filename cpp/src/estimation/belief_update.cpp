@@ -42,13 +42,16 @@ Belief conditioned(const Belief& belief, const ActionMoments& moments, const Act
   require(action.size() == moments.mean.size(), "an action must have one value for every kernel");
   require(moments.cross_covariance.rows() == belief.mean.size(), "the moments must be of the belief's goal");
   require(action.allFinite(), "the action must be finite");
+  require(action.cwiseAbs().maxCoeff() <= largest_number, "the action must lie within 1e20");
   const Eigen::LLT<ActionMatrix> factor(moments.covariance);
   require(factor.info() == Eigen::Success,
           "the action's covariance is singular or no number: give the action kernels a larger noise");
   const CrossMatrix gain = factor.solve(moments.cross_covariance.transpose()).transpose();
   const GoalMatrix covariance = belief.covariance - gain * moments.cross_covariance.transpose();  // 2.3
   const GoalMatrix symmetric = 0.5 * (covariance + covariance.transpose());
-  return {belief.mean + gain * (action - moments.mean), without_negative_variances(symmetric)};  // 2.2
+  const Belief after{belief.mean + gain * (action - moments.mean), without_negative_variances(symmetric)};  // 2.2
+  validate(after, static_cast<int>(belief.mean.size()));  // no later update could go on from another one
+  return after;
 }
 
 }  // namespace lfdcore

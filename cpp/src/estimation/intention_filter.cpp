@@ -14,7 +14,7 @@ IntentionFilter::IntentionFilter(ActionModel model, Belief prior, double process
       process_noise_(process_noise),
       scratch_(model_.scratch_size()) {
   validate(prior_, model_.goal_dimensions());
-  require_between("process_noise", process_noise, 0, 1e150, "m^2");
+  require_between("process_noise", process_noise, 0, largest_number * largest_number, "m^2");
 }
 
 const Belief& IntentionFilter::update(std::span<const double> state, std::span<const double> action) {

@@ -329,7 +329,7 @@ class ActionKernel:
         noise: float,
     ) -> None:
         """
-        amplitude and noise: standard deviations in the action's unit; state_lengthscales (Dx,) in the state's units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise >= 0, all others > 0, all finite.
+        amplitude and noise: standard deviations in the action's unit; state_lengthscales (Dx,) in the state's units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise is in [0, 1e20], all others in [1e-20, 1e20].
         """
 
     @property

@@ -63,10 +63,13 @@ def track(
     require_drawable("--picture", picture)
     require_drawable("--animation", animation, (".gif",))
     model, log = GoalModel.load(model_file), open_log(log_file)
-    grid = _map(model, map_file) if picture or animation or not len(log.map_stamp) else None
+    if start is not None and len(log.map_stamp):
+        raise typer.BadParameter(f"--start is for a drive without poses in the map, {log_file} has them")
+    begin = _start(model, start)
+    grid = _map(model, map_file) if map_file or picture or animation or not len(log.map_stamp) else None
     with progress_bar() as bar:
         tell = Stages(bar)
-        samples = _samples(model, log, grid, start, tell)
+        samples = _samples(log, grid, begin, tell)
         told = tell.step("model")
         action_model = _action_model(model, full, device)
         told(1, 1)
@@ -86,19 +89,13 @@ def _action_model(model: GoalModel, full: bool, device: Device | None) -> Action
     return full_action_model(model, device.value)
 
 
-def _samples(
-    model: GoalModel,
-    log: DriveLog,
-    grid: OccupancyGrid | None,
-    start: str | None,
-    tell: Stages,
-) -> GoalSamples:
+def _samples(log: DriveLog, grid: OccupancyGrid | None, start: Pose2, tell: Stages) -> GoalSamples:
     """With the log's poses in the map or, where it has none, a scan matcher's."""
     from lfdcore.wheelchair.goal_samples import drive_samples
     from lfdcore.wheelchair.localisation import with_map_poses
 
     if grid is not None and not len(log.map_stamp):
-        log = with_map_poses(log, grid, _start(model, start), tell.step("localise"))
+        log = with_map_poses(log, grid, start, tell.step("localise"))
     return drive_samples(log)
 
 

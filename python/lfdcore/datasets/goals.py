@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ from lfdcore.grid import OccupancyGrid
 
 FARTHEST = 1e6
 """[m] of a destination's coordinates"""
+MOST_BYTES = 200_000
+"""of a file: thousands of destinations; YAML is read slowly"""
 _KEYS, _GOAL_KEYS = ("map", "goals"), ("name", "x", "y")
 _SHORT = Repr()
 _SHORT.maxlevel = 2
@@ -86,27 +89,27 @@ class Goals:
 
 
 def _require_goal(goal: Goal) -> None:
-    if not (isinstance(goal.name, str) and goal.name.strip()):
-        raise ValueError(f"a goal's name is {goal.name!r}, must be a text that is not empty")
+    if not (isinstance(goal.name, str) and goal.name.strip() and goal.name.isprintable()):
+        raise ValueError(f"a goal's name is {goal.name!r}, must be a text that is not empty, in one line")
     for axis, value in (("x", goal.x), ("y", goal.y)):
         if not (math.isfinite(value) and abs(value) <= FARTHEST):
             raise ValueError(f"{axis} of goal {goal.name!r} is {value} m, must be finite and within {FARTHEST:g} m")
 
 
 def _require_distinct(what: str, values: Sequence[object]) -> None:
-    for value in values:
-        if values.count(value) > 1:
-            raise ValueError(f"{values.count(value)} goals are {what} {value!r}, each must have its own")
+    for value, times in Counter(values).items():
+        if times > 1:
+            raise ValueError(f"{times} goals are {what} {value!r}, each must have its own")
 
 
 class _NoDuplicates(yaml.SafeLoader):
     """YAML in which a key that comes twice is an error: the later one would win silently."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise ValueError(f"key {key} comes {keys.count(key)} times, line {node.start_mark.line + 1} on")
+        keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+        for key, times in keys.items():
+            if times > 1:
+                raise ValueError(f"key {key} comes {times} times, line {node.start_mark.line + 1} on")
         return super().construct_mapping(node, deep)
 
 
@@ -120,9 +123,12 @@ def read_goals(path: str | Path) -> Goals:
     path = Path(path)
     if path.exists() and not path.is_file():
         raise DataError(f"{path}: is no regular file, so no goals")
+    if path.exists() and path.stat().st_size > MOST_BYTES:
+        raise DataError(f"{path}: has {path.stat().st_size} bytes, goals have at most {MOST_BYTES}")
     try:
         described = yaml.load(path.read_bytes(), Loader=_NoDuplicates)
-    except (yaml.YAMLError, ValueError, RecursionError, AttributeError, TypeError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError, LookupError, AttributeError, TypeError) as error:
+        # the last three: a mistyped tag
         raise DataError(f"{path}: is no YAML of goals: {' '.join(str(error).split())}") from error
     described = _mapping(path, "the file", described, _KEYS)
     listed = described.get("goals")

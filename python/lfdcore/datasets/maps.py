@@ -102,7 +102,13 @@ def _described(path: Path) -> dict[str, Any]:
         raise DataError(f"{path}: is no regular file, so no map")
     try:
         described = yaml.safe_load(path.read_bytes())
-    except (yaml.YAMLError, ValueError, RecursionError, AttributeError) as error:  # the last: a mistyped tag
+    except (
+        yaml.YAMLError,
+        ValueError,
+        RecursionError,
+        LookupError,
+        AttributeError,
+    ) as error:  # the last two: mistyped tags
         raise DataError(f"{path}: is no YAML: {' '.join(str(error).split())}") from error
     if not isinstance(described, dict):
         raise DataError(f"{path}: must hold keys and values, holds {type(described).__name__}")

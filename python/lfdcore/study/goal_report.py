@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from lfdcore.study.goal_evaluation import BASELINES, Accuracy, agreement, confus
 from lfdcore.study.goal_plots import plot_goal_drives
 from lfdcore.study.goal_study import FILTERED, NOISE, TRIALS, GoalResult, NoiseTrial
 from lfdcore.study.report import Picture, Section, write_figures, write_report
-from lfdcore.study.statistics import Summary, block_bootstrap, summarise
+from lfdcore.study.statistics import block_bootstrap, summarise
 from lfdcore.study.tables import Aim, Row, Table
 
 WIDE_ENOUGH = (0.5, 2.0)
@@ -89,34 +91,34 @@ def noise_table(result: GoalResult) -> Table:
         of_goal = [trial for trial in result.trials if trial.goal == goal]
         for noise in NOISE:
             rows.append(_noise_row(result, [trial for trial in of_goal if trial.noise == noise]))
-    share, filtered = _sure_shares(result), _filtered_shares(result)
+    share, filtered = (summarise(_sure_shares(result.trials, which)) for which in ("sure_after", "filtered"))
+    never, never_filtered = (_never(result.trials, which) for which in ("sure_after", "filtered"))
     return Table(
         f"Time [s] until the network is 90 % sure of the true destination (as Table 2.1; n = {len(result.trials)} "
         f"drives and noises, {TRIALS} simulated able drivers)",
         ("to (mean drive)", "noise [%]", *(f"driver {k + 1}" for k in range(TRIALS)), "share of drive", "filtered"),
         tuple(rows),
         "From when on its likelihood is .9 or more for the rest of the drive. Over all: "
-        f"{_percent(share.mean)} +- {_percent(share.sd)} of the drive (thesis 45 +- 12 %), never in "
-        f"{share.missing} of {len(result.trials)}; filtered over {FILTERED:g} s {_percent(filtered.mean)} +- "
-        f"{_percent(filtered.sd)}. Noise: zero-mean Gaussian on both "
+        f"{_percent(share.mean)} +- {_percent(share.sd)} of the drive (thesis 45 +- 12 %), never, which counts as the "
+        f"whole drive, in {never} of {len(result.trials)}; filtered over {FILTERED:g} s {_percent(filtered.mean)} +- "
+        f"{_percent(filtered.sd)}, never in {never_filtered}. Noise: zero-mean Gaussian on both "
         "axes of the recorded stick, cut at full scale; the chair was driven without it.",
     )
 
 
-def _sure_shares(result: GoalResult) -> Summary:
-    return summarise([trial.sure_after / trial.duration for trial in result.trials])
+def _sure_shares(trials: Sequence[NoiseTrial], which: Literal["sure_after", "filtered"]) -> list[float]:
+    """Of each drive's duration; 1 where the network never was sure."""
+    times = [(getattr(trial, which), trial.duration) for trial in trials]
+    return [1.0 if np.isnan(time) else time / duration for time, duration in times]
 
 
-def _filtered_shares(result: GoalResult) -> Summary:
-    return summarise([trial.filtered / trial.duration for trial in result.trials])
+def _never(trials: Sequence[NoiseTrial], which: Literal["sure_after", "filtered"]) -> int:
+    return sum(bool(np.isnan(getattr(trial, which))) for trial in trials)
 
 
 def _noise_row(result: GoalResult, trials: list[NoiseTrial]) -> Row:
     mean = float(np.mean([trial.duration for trial in trials]))
-    shares = [
-        summarise([when / trial.duration for when, trial in zip(times, trials, strict=True)]).mean
-        for times in ([trial.sure_after for trial in trials], [trial.filtered for trial in trials])
-    ]
+    shares = [float(np.mean(_sure_shares(trials, "sure_after"))), float(np.mean(_sure_shares(trials, "filtered")))]
     times = ["never" if np.isnan(trial.sure_after) else f"{trial.sure_after:.1f}" for trial in trials]
     name = f"{result.model.goals.names[trials[0].goal]} ({mean:.0f} s)"
     return (name, f"{trials[0].noise:g}", *times, *map(_percent, shares))
@@ -174,7 +176,7 @@ def aims(result: GoalResult) -> list[Aim]:
     by = {one.method: one.share for one in result.accuracies}
     best = max(by[name] for name in BASELINES)
     sparse = by["Gaussian process, sparse"]
-    share = _filtered_shares(result)
+    share = summarise(_sure_shares(result.trials, "filtered"))
     low, high = WIDE_ENOUGH
     found = []
     if "full" in result.tracks:

@@ -47,6 +47,8 @@ class GoalFilterConfig:
         for name in ("process_noise", "at_rest"):
             if not 0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name} is {getattr(self, name)}, must be >= 0 and finite")
+        if not isinstance(self.projected, bool):
+            raise ValueError(f"projected is {self.projected!r}, must be true or false")
         if self.heading not in ("embedded", "raw"):
             raise ValueError(f"heading is {self.heading!r}, must be 'embedded' or 'raw'")
 
@@ -113,6 +115,10 @@ class GoalModel:
 
     def __post_init__(self) -> None:
         goals, count = len(self.goals), len(self.samples)
+        if not count or not len(self.subset) or len(np.unique(self.subset)) < len(self.subset):
+            raise ValueError(
+                f"subset names {len(self.subset)} of {count} samples, must name at least one, and each once"
+            )
         _require_indices("samples go to goals", self.samples.goal, goals)
         _require_indices("subset names samples", self.subset, count)
         if len(self.network.output) != goals:

@@ -41,6 +41,10 @@ class GoalSamples:
             values = getattr(self, name)
             if values.shape != (n, width) or not np.isfinite(values).all():
                 raise ValueError(f"{name} must be finite and ({n}, {width}), is {values.shape}")
+        if self.stamp.shape != (n,) or not np.isfinite(self.stamp).all():
+            raise ValueError(f"stamp must be finite and ({n},), is {self.stamp.shape}")
+        if n and np.abs(self.joystick).max() > 1:
+            raise ValueError(f"joystick is up to {np.abs(self.joystick).max():g}, must lie in [-1, 1]")
         if self.goal.shape != (n,) or self.drive.shape != (n,):
             raise ValueError(f"goal and drive must be ({n},), are {self.goal.shape} and {self.drive.shape}")
         if not all(np.issubdtype(array.dtype, np.integer) for array in (self.goal, self.drive)):

@@ -342,8 +342,16 @@ def localise_log(
 
 
 def with_map_poses(log: DriveLog, grid: OccupancyGrid, initial: Pose2, progress: Progress | None = None) -> DriveLog:
-    """The log with T_map_odom at each scan as the scan matcher finds it; arguments and errors as localise_log."""
+    """The log with T_map_odom at each scan as the scan matcher finds it; arguments and errors as localise_log.
+
+    ValueError too where not one scan could be matched: then nobody knows where the chair was.
+    """
     found = localise_log(log, grid, initial, progress)
+    if all(one.outcome != "tracked" for one in found):
+        raise ValueError(
+            f"none of the {len(found)} scans of log {log.name!r} fits the map about where it is said to begin, "
+            f"({initial.x:g}, {initial.y:g}) m, {math.degrees(initial.yaw):.0f} degrees"
+        )
     odometry = (Pose2(*pose) for pose in log.pose_at(log.scan_stamp).tolist())
     corrections = [[*(one.pose * pose.inverse())] for one, pose in zip(found, odometry, strict=True)]
     return replace(log, map_stamp=log.scan_stamp, map_odom=np.array(corrections))

@@ -226,9 +226,8 @@ TEST(PackedTriangle, is_factorised_and_inverted_as_eigen_does) {
 }
 
 // The argument that makes the selection incremental, on A itself.
-TEST(SelectSubset, picks_the_largest_gain_of_all_samples_through_several_settlings) {
-  const int N = 230, size = 210;
-  const Data data = random_data(N);
+void expect_largest_gains(const Data& data, int size) {
+  const int N = static_cast<int>(data.states.rows());
   const auto selected = select_subset(data.states, data.goals, data.actions, data.kernels, size, N);
   std::vector<bool> taken(N, false);
   std::vector<MatrixXd> A;
@@ -267,6 +266,19 @@ TEST(SelectSubset, picks_the_largest_gain_of_all_samples_through_several_settlin
       A[a] -= column * column.transpose();
     }
   }
+}
+
+TEST(SelectSubset, picks_the_largest_gain_of_all_samples_through_several_settlings) {
+  expect_largest_gains(random_data(230), 210);
+}
+
+TEST(SelectSubset, leaves_out_only_what_is_too_far_away_to_matter) {
+  Data data = random_data(230);
+  for (int n = 0; n < 230; ++n) data.states(n, 0) += 0.1 * n;  // 32 samples are as wide as a few length-scales
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  data.actions = RowMatrix::NullaryExpr(230, 2, [&] { return normal(generator); });  // so that all samples gain
+  expect_largest_gains(data, 210);
 }
 
 }  // namespace

@@ -70,6 +70,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     drive.save(folder / "drive.mcap")
     blind = dataclasses.replace(drive, map_stamp=np.zeros(0), map_odom=np.zeros((0, 3)), name="blind")
     blind.save(folder / "blind.mcap")
+    dark = dataclasses.replace(blind, ranges=np.full_like(blind.ranges, np.inf), name="dark")
+    dark.save(folder / "dark.mcap")
     silent = dataclasses.replace(drive, joystick_stamp=np.zeros(0), joystick=np.zeros((0, 2)), name="silent")
     silent.save(folder / "silent.mcap")
     return folder
@@ -94,10 +96,23 @@ def test_learn_goals_writes_a_model_that_info_describes(folder, quick, monkeypat
         log.save(tmp_path / f"{log.name}.mcap")
         logs.append(tmp_path / f"{log.name}.mcap")
     model = tmp_path / "model.safetensors"
-    words = ["learn", "goals", *logs, "--goals", folder / "goals.yaml", "-o", model, "--subset", "50", "--json"]
+    words = [
+        "learn",
+        "goals",
+        *logs,
+        "--goals",
+        folder / "goals.yaml",
+        "-o",
+        model,
+        "--subset",
+        "50",
+        "--seed",
+        "3",
+        "--json",
+    ]
     code, out, err = run(monkeypatch, capsys, *words)
     assert code == 0, err
-    assert json.loads(out)["subset"] == 50
+    assert (json.loads(out)["subset"], json.loads(out)["seed"]) == (50, 3)
     for stage in ("network", "kernels", "subset"):
         assert stage in err
     assert GoalModel.load(model).goals.map == folder / "room.yaml"
@@ -150,6 +165,8 @@ def test_track_ends_at_the_goal_and_says_so_for_people_and_machines(folder, monk
     assert code == 0
     assert len(out.splitlines()) == len(beliefs) + 1
     assert re.match(r"\s+[\d.]+  left ", out.splitlines()[-1])
+    wide = np.sqrt(np.linalg.eigvalsh(beliefs[-1]["covariance"])[-1])  # the standard deviation where it is largest
+    assert out.splitlines()[-1].split()[2] == f"{wide:.1f}"
 
 
 def test_track_finds_poses_by_itself_where_a_log_has_none(folder, monkeypatch, capsys) -> None:
@@ -206,6 +223,10 @@ def test_track_animates_half_seconds_and_the_end(folder, monkeypatch, capsys, tm
         (["goals.safetensors", "blind.mcap", "--start", "1,2"], 2, "--start '1,2' must be X,Y,YAW"),
         (["goals.safetensors", "blind.mcap", "--start", "a,b,c"], 2, "--start 'a,b,c' must be X,Y,YAW"),
         (["goals.safetensors", "blind.mcap", "--start", "nan,0,0"], 2, "--start 'nan,0,0' must be"),
+        (["goals.safetensors", "drive.mcap", "--start", "0,0,0"], 2, "--start is for a drive without poses in the map"),
+        (["goals.safetensors", "blind.mcap", "--start", "500,0,90"], 1, "scans of log 'blind' fits the map about"),
+        (["goals.safetensors", "dark.mcap"], 1, "scans of log 'dark' fits the map about"),
+        (["goals.safetensors", "drive.mcap", "--map", "none.yaml"], 1, "none.yaml: No such file"),
         (["no-map.safetensors", "blind.mcap"], 2, "--map is needed"),
         (["no-map.safetensors", "drive.mcap", "--picture", "p.png"], 2, "--map is needed"),
         (["no-map.safetensors", "blind.mcap", "--map", "none.yaml"], 1, "none.yaml: No such file"),

@@ -68,6 +68,8 @@ def test_a_goal_outside_the_map_is_named_with_the_maps_bounds(file: Path, tmp_pa
         (TWO + "- {name: c, x: 1}", "goal 3 has no y"),
         (TWO + "- {name: 7, x: 1, y: 9}", "name of goal 3 is 7, must be a text"),
         (TWO + "- {name: ' ', x: 1, y: 9}", "must be a text that is not empty"),
+        (TWO + '- {name: "a\\nb", x: 1, y: 9}', "must be a text that is not empty, in one line"),
+        (TWO + '- {name: "\\e[31mred", x: 1, y: 9}', "must be a text that is not empty, in one line"),
         (TWO + "- {name: c, x: .nan, y: 9}", "x of goal 'c' is nan m, must be finite"),
         (TWO + "- {name: c, x: .inf, y: 9}", "x of goal 3 is inf|x of goal 'c' is inf"),
         (TWO + "- {name: c, x: 1, y: 2.0e+7}", "y of goal 'c' is 20000000.0 m, must be finite and within 1e\\+06"),
@@ -81,6 +83,8 @@ def test_a_goal_outside_the_map_is_named_with_the_maps_bounds(file: Path, tmp_pa
         (TWO + "map: [1]", "map is \\[1\\], must be the path"),
         ("goals: [1, 2", "is no YAML of goals"),
         ("goals: [!!python/object:os.system {}]", "is no YAML of goals"),
+        ("goals: !!bool foo", "is no YAML of goals"),
+        ('goals: !!int ""', "is no YAML of goals"),
         ("{[1]: 2}", "is no YAML of goals"),
         ("\x00\x01", "is no YAML of goals"),
     ],
@@ -90,6 +94,19 @@ def test_a_broken_file_is_a_data_error_that_says_where(file: Path, text: str, re
     with pytest.raises(DataError, match=reason) as caught:
         read_goals(file)
     assert str(file) in str(caught.value)
+
+
+def test_a_file_too_long_for_destinations_is_refused_unread(file: Path) -> None:
+    file.write_text(TWO + "# " + "x" * 200_000)
+    with pytest.raises(DataError, match=r"has 2000\d\d bytes, goals have at most 200000"):
+        read_goals(file)
+
+
+def test_thousands_of_keys_that_all_differ_are_read_once(file: Path) -> None:
+    """Not a time for each pair of them: that would be minutes."""
+    file.write_text("{" + ", ".join(f"k{i}: 1" for i in range(15_000)) + "}")
+    with pytest.raises(DataError, match="unknown key 'k0'"):
+        read_goals(file)
 
 
 def test_a_folder_is_no_file_of_goals_and_no_file_is_not_found(tmp_path: Path) -> None:

@@ -122,6 +122,22 @@ def test_moments_are_pilcos_for_the_joint_input_with_a_certain_state() -> None:
     assert apart(model(40).moments(STATE, MEAN, COVARIANCE), np.array(m), G, np.array(C)[:, 3:].T) < 1e-11
 
 
+@pytest.mark.parametrize("projected", [False, True])
+def test_samples_ever_farther_from_the_state_are_left_out_only_where_they_do_not_matter(projected: bool) -> None:
+    """Where goals are shared, blocks of 32 samples are left unread; where each sample has its own, none is."""
+    states, goals, actions = data(320)
+    states[:, 0] = np.linspace(0, 16, 320)[np.argsort(np.argsort(goals[:, 0], kind="stable"))]
+    own = goals + np.random.default_rng(2).uniform(0, 1e-12, goals.shape)
+    noisy = [ActionKernel(k.amplitude, k.state_lengthscales, k.goal_lengthscales, 0.5) for k in KERNELS]
+    subset = range(0, 320, 2) if projected else None
+    shared, general = (ActionModel(states, g, actions, noisy, subset=subset) for g in (goals, own))
+    assert (shared.shared_goals, general.shared_goals) == (4, 0)
+    for x in np.linspace(0, 16, 9):
+        at = [x, 0.2, -0.3]
+        found, expected = (m.moments(at, MEAN, COVARIANCE) for m in (shared, general))
+        assert apart(found, expected.mean, expected.covariance, expected.cross_covariance) < 1e-11
+
+
 def test_G_is_the_covariance_of_the_noisy_action() -> None:
     """ERRATA 2: at a sample, f is known better than one sample's noise tells, and the noise comes on top."""
     states, goals, _ = data(200)
@@ -283,6 +299,14 @@ def test_likelihoods_of_a_belief_without_spread_all_go_to_the_nearest_goal() -> 
     assert goal_likelihoods([1e6, 0], 1e-12 * np.eye(2), goals[:1]).tolist() == [1]
 
 
+def test_a_belief_narrow_in_one_direction_is_taken_as_narrow_as_it_is() -> None:
+    """Down to 1e-6 of the wide one's standard deviation, or 1 nm; narrower ones count as that."""
+    for wide, narrow, taken in ((4.0, 4e-10, 4e-10), (4.0, 4e-14, 4e-12), (1e-14, 1e-14, 1e-14), (0.0, 0.0, 1e-18)):
+        step = np.sqrt(taken)
+        found = goal_likelihoods([0.0, 0.0], np.diag([wide, narrow]), [[0.0, step], [0.0, 2 * step]])
+        assert found[1] / found[0] == pytest.approx(np.exp(-1.5), rel=1e-6)
+
+
 def test_one_goal_only_is_a_model_and_leaves_a_certain_belief_as_it_is() -> None:
     states, goals, actions = data(50, places=1)
     one = ActionModel(states, goals, actions, KERNELS)
@@ -322,6 +346,8 @@ def test_a_refused_update_leaves_the_belief_as_it_was() -> None:
         ([np.nan, 0, 0], [0, 0], "state must be finite"),
         (STATE, [np.nan, 0], "action must be finite"),
         (STATE, [0, np.inf], "action must be finite"),
+        (STATE, [0, 1e200], "action must lie within 1e20"),
+        ([1e200, 0, 0], [0, 0], "state must be finite and within 1e20"),
         (STATE[:2], [0, 0], "one value for every state length-scale"),
         (STATE, [0], "one value for every kernel"),
     ):
@@ -340,6 +366,9 @@ def test_a_refused_update_leaves_the_belief_as_it_was() -> None:
         ([0.0, 0.0], -np.eye(2), "negative variance"),
         ([0.0, 0.0], np.array([[1.0, 2.0], [2.0, 1.0]]), "positive semidefinite"),
         ([0.0, 0.0], np.array([[0.0, 1.0], [1.0, 0.0]]), "positive semidefinite"),
+        ([0.0, 0.0], np.array([[1.0, 1.0001], [1.0001, 1.0]]), "positive semidefinite"),
+        ([0.0, 1e21], np.eye(2), "must lie within 1e20 m"),
+        ([0.0, 0.0], 1e41 * np.eye(2), "its covariance within 1e40"),
         ([0.0, 0.0, 0.0], np.eye(2), "as many dimensions"),
         ([0.0], np.eye(1), "as many dimensions"),
         (np.zeros(5), np.eye(5), "at most 4"),
@@ -366,6 +395,12 @@ def test_data_that_do_not_fit_are_refused_by_name() -> None:
         ((states, goals, actions, KERNELS, [-1]), "names sample -1"),
         ((states, goals, actions, KERNELS, [3, 3]), "names sample 3 twice"),
         ((states, goals, actions, KERNELS, []), "subset is empty"),
+        ((states, goals, actions, KERNELS, [1.5, 2]), "names sample 1.500000, must be integers"),
+        ((states, goals, actions, KERNELS, [np.nan]), "names sample nan, must be integers"),
+        ((states, goals, actions, KERNELS, [[1, 2]]), "the subset has 2 dimensions"),
+        ((1e200 * states, goals, actions, KERNELS), "a state is .* must be between 0 and 1e[+]20"),
+        ((states, 1e200 * goals, actions, KERNELS), "a goal is .* must be between 0 and 1e[+]20"),
+        ((states, goals, 1e200 * actions, KERNELS), "an action is .* must be between 0 and 1e[+]20"),
     ):
         with pytest.raises(ValueError, match=message):
             ActionModel(*arguments)
@@ -374,6 +409,10 @@ def test_data_that_do_not_fit_are_refused_by_name() -> None:
         ((1.0, [1], [1], -0.1), "noise is -0.1"),
         ((1.0, [np.nan], [1], 0.1), "state length-scale"),
         ((1.0, [1], [0], 0.1), "goal length-scale is 0"),
+        ((1e21, [1], [1], 0.1), "amplitude is 1e[+]21, must be between 1e-20 and 1e[+]20"),
+        ((1.0, [1e-21], [1], 0.1), "a state length-scale is 1e-21"),
+        ((1.0, [1], [1e100], 0.1), "a goal length-scale is 1e[+]100 m"),
+        ((1.0, [1], [1], 1e21), "noise is 1e[+]21"),
         ((1.0, [1], [1] * 5, 0.1), "5 goal length-scales, must have 1 to 4"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -382,8 +421,21 @@ def test_data_that_do_not_fit_are_refused_by_name() -> None:
         IntentionFilter(MODEL, MEAN, COVARIANCE, process_noise=-1)
     with pytest.raises(ValueError, match="no goals"):
         goal_likelihoods(MEAN, COVARIANCE, np.zeros((0, 2)))
+    with pytest.raises(ValueError, match="goals must lie within 1e20 m"):
+        goal_likelihoods(MEAN, COVARIANCE, [[1e200, 0.0], [-1e200, 0.0]])
     with pytest.raises(ValueError, match="goals must be finite"):
         goal_likelihoods(MEAN, COVARIANCE, [[np.nan, 0.0]])
+
+
+def test_the_largest_numbers_that_are_taken_give_numbers() -> None:
+    states, goals, actions = data(20)
+    for amplitude, length, noise in ((1e20, 1e-20, 1e20), (1e20, 1e20, 1e20), (1e-20, 1e-20, 0.0), (1, 1e20, 1)):
+        kernels = [ActionKernel(amplitude, [length] * 3, [length] * 2, noise)] * 2
+        for scale in (1e-20, 1.0, 1e19):
+            big = ActionModel(states * scale, goals * scale, actions * scale, kernels)
+            for mean, covariance in ((MEAN, COVARIANCE), (1e20 * np.ones(2), 1e40 * np.eye(2))):
+                found = big.moments(STATE, mean, covariance)
+                assert all(np.isfinite(part).all() for part in (found.mean, found.covariance, found.cross_covariance))
 
 
 def test_far_states_and_goals_give_the_prior_and_teach_nothing() -> None:

@@ -96,6 +96,10 @@ def test_beliefs_as_sure_as_they_may_be_have_a_nees_of_2_and_too_sure_ones_more(
     np.testing.assert_allclose(surer.normalised_errors(np.tile(truth, (n, 1))), 4 * errors)
 
 
+def test_methods_that_always_agree_do_so_beyond_chance() -> None:
+    assert agreement(np.array([0, 1, 1, 2]), np.array([0, 1, 1, 2]), 3) == (1.0, 1.0)
+
+
 def test_a_table_s_rows_count_true_goals_and_its_columns_answers() -> None:
     np.testing.assert_array_equal(confusion(np.array([0, 0, 1]), np.array([1, 1, 0]), 2), [[0, 2], [1, 0]])
 

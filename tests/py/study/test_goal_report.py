@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import Goals
-from lfdcore.study.goal_drives import RUNS_EACH, GoalDrives
-from lfdcore.study.goal_evaluation import BASELINES, agreement, drives_of
+from lfdcore.study.goal_drives import RUNS_EACH, GoalDrives, noisy_joystick, perturbed_poses
+from lfdcore.study.goal_evaluation import BASELINES, agreement, confidence_time, drives_of
 from lfdcore.study.goal_report import (
     accuracy_table,
     aims,
@@ -21,12 +21,24 @@ from lfdcore.study.goal_report import (
     time_table,
     write_goal_report,
 )
-from lfdcore.study.goal_study import NOISE, POSE_ERRORS, TRIALS, GoalResult, GoalStudy, judge_goal_drives
+from lfdcore.study.goal_study import (
+    FILTERED,
+    NOISE,
+    POSE_ERRORS,
+    TRIAL_SEED,
+    TRIALS,
+    GoalResult,
+    GoalStudy,
+    _localised,
+    judge_goal_drives,
+)
 from lfdcore.training.goal_models import GoalLearningConfig
 from lfdcore.training.goal_net import GoalNetConfig
+from lfdcore.wheelchair.belief_track import track_beliefs
+from lfdcore.wheelchair.goal_samples import drive_samples
 
 SMALL = GoalLearningConfig(
-    network=GoalNetConfig(epochs=3), search_samples=60, searches=1, generations=3, subset=60, candidates=20
+    network=GoalNetConfig(epochs=40), search_samples=60, searches=1, generations=3, subset=60, candidates=20
 )
 NEAR = ("G2", "G3", "G6")
 
@@ -59,6 +71,58 @@ def test_what_teaches_is_not_what_is_judged(result: GoalResult) -> None:
     assert set(result.held_out.goal) == {0, 1, 2}
 
 
+def test_the_model_knows_only_the_drives_that_teach(result: GoalResult) -> None:
+    taught = result.drives.logs(result.drives.training)
+    assert result.model.metadata["logs"] == [log.name for log in taught]
+    known = {row.tobytes() for row in result.model.samples.pose}
+    assert not known & {row.tobytes() for row in result.held_out.pose}
+
+
+def test_without_process_noise_is_a_filter_without_process_noise(result: GoalResult) -> None:
+    quiet = dataclasses.replace(result.model, config=dataclasses.replace(result.model.config, process_noise=0.0))
+    begin = result.held_out.where(np.arange(40))
+    track = track_beliefs(quiet, begin, quiet.action_model())
+    np.testing.assert_array_equal(result.tracks["sparse, no process noise"].covariance[:40], track.covariance)
+    assert not np.array_equal(result.tracks["sparse"].covariance[:40], track.covariance)
+
+
+def test_a_trial_is_the_network_asked_with_a_noisy_stick(result: GoalResult, goal_drives: GoalDrives) -> None:
+    drives, share = some_of(goal_drives, 0), 1 - np.exp(-0.1 / FILTERED)
+    sure = 0
+    for trial in result.trials:
+        name = result.model.goals.names[trial.goal]
+        (k,) = [
+            k for k in range(len(drives.runs)) if (drives.destinations[k], drives.drivers[k]) == (name, trial.driver)
+        ]
+        drive = drive_samples(drives.logs([k])[0])
+        stick = noisy_joystick(drive.joystick, trial.noise, result.study.seed + TRIAL_SEED + k)
+        said = result.model.network.predict(drive.pose, stick)
+        np.testing.assert_equal(trial.sure_after, confidence_time(said, drive.stamp, trial.goal))
+        for t in range(1, len(said)):
+            said[t] = said[t - 1] + share * (said[t] - said[t - 1])
+        np.testing.assert_equal(trial.filtered, confidence_time(said, drive.stamp, trial.goal))
+        sure += np.isfinite([trial.sure_after, trial.filtered]).all()
+    assert sure > 10
+
+
+def test_a_pose_error_is_of_the_metres_and_degrees_that_its_row_says(result: GoalResult) -> None:
+    samples, sparse = result.held_out, result.model.action_model()
+    for row, (metres, radians) in ((3, (1.0, 0.0)), (5, (0.0, np.pi / 9))):
+        poses = samples.pose.copy()
+        for drive in (0, 1, 2):
+            mine = samples.drive == drive
+            poses[mine] = perturbed_poses(poses[mine], metres, radians, drive)
+        nearest = track_beliefs(result.model, dataclasses.replace(samples, pose=poses), sparse).nearest
+        assert result.pose_errors[row].accuracy.share == (nearest == samples.goal).mean()
+
+
+def test_the_scan_matcher_s_row_is_of_its_own_poses(result: GoalResult) -> None:
+    _, matched = _localised(result.study, result.drives, lambda *told: None)
+    pose = np.concatenate([one.pose for one in matched])
+    off = np.hypot(*(pose - result.held_out.pose)[:, :2].T)
+    assert 0 < np.median(off) < 0.05
+
+
 def test_every_filter_and_baseline_is_judged_on_all_held_out_samples(result: GoalResult) -> None:
     filters = {"sparse", "sparse, no process noise", "full", "full, no process noise"}
     assert set(result.tracks) == filters
@@ -86,6 +150,18 @@ def test_table_2_1_has_the_same_driver_in_a_column_and_a_row_a_destination_and_n
         for noise in NOISE:
             drivers = [t.driver for t in result.trials if (t.goal, t.noise) == (goal, noise)]
             assert drivers == list(range(TRIALS))
+
+
+def test_the_shares_of_table_2_1_are_of_each_drive_s_duration(result: GoalResult) -> None:
+    note, parts = noise_table(result).note, []
+    for name in ("sure_after", "filtered"):
+        shares = np.array([getattr(trial, name) / trial.duration for trial in result.trials])
+        shares[np.isnan(shares)] = 1.0  # never sure: the whole drive
+        parts.append(f"{100 * shares.mean():.0f} % +- {100 * shares.std(ddof=1):.0f} %")
+    assert f"Over all: {parts[0]} of the drive" in note
+    assert f"filtered over 2 s {parts[1]}" in note
+    aim = next(one for one in aims(result) if one.label.startswith("90 % sure"))
+    assert aim.found == pytest.approx(np.nanmean(shares))
 
 
 def test_a_run_to_another_destination_is_another_driver_s(goal_drives: GoalDrives) -> None:
@@ -172,10 +248,10 @@ def test_a_study_of_the_subset_alone_says_nothing_of_all_data(result: GoalResult
 
 
 def test_a_network_that_is_never_sure_is_told_as_such(result: GoalResult) -> None:
-    never = tuple(dataclasses.replace(trial, sure_after=float("nan")) for trial in result.trials)
+    never = tuple(dataclasses.replace(trial, sure_after=float("nan"), filtered=float("nan")) for trial in result.trials)
     unsure = dataclasses.replace(result, trials=never)
     table = noise_table(unsure)
-    assert set(table.rows[0][2:]) == {"never", "-"}
+    assert set(table.rows[0][2:]) == {"never", "100 %"}
     assert "nan" not in table.as_text()
     aim = next(one for one in aims(unsure) if one.label.startswith("90 % sure"))
     assert not aim.reached
@@ -195,7 +271,7 @@ def test_the_report_holds_five_pictures_all_tables_and_its_command(result: GoalR
     path = write_goal_report(result, tmp_path, "lfdcore study goals -o out")
     text = path.read_text()
     assert text.count("<img") + text.count("<svg") >= 5
-    assert text.count("<table") == len(goal_tables(result)) == 7
+    assert text.count("<table") == len(goal_tables(result)) == 8
     assert "lfdcore study goals -o out" in text
     figures = json.loads((tmp_path / "figures.json").read_text())
     shares = {row["method"]: row["accuracy"] for row in figures if "method" in row}

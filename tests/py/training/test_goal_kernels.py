@@ -54,6 +54,13 @@ def test_a_cluster_of_two_workers_finds_the_kernels_of_one_process_to_the_byte(
     assert sum(done.values()) > 0, "the search did not run on the cluster"
 
 
+def test_each_axis_of_the_stick_has_its_own_kernel() -> None:
+    quiet = dataclasses.replace(SAMPLES, joystick=SAMPLES.joystick * [1.0, 0.001])
+    forward, left = fit_action_kernels(quiet, GOALS, QUICK)
+    assert left.amplitude < 0.01 < forward.amplitude  # within ten times the root mean square of either
+    assert left.noise < 0.001 < forward.noise
+
+
 def test_another_seed_finds_other_kernels(alone: list[bytes]) -> None:
     assert as_bytes(fit_action_kernels(SAMPLES, GOALS, dataclasses.replace(QUICK, seed=2))) != alone
 

@@ -254,6 +254,7 @@ def test_one_goal_alone_is_refused() -> None:
         ({"process_noise": -1.0}, "process_noise is -1.0"),
         ({"at_rest": np.nan}, "at_rest is nan"),
         ({"heading": "north"}, "must be 'embedded' or 'raw'"),
+        ({"projected": "no"}, "projected is 'no', must be true or false"),
     ],
 )
 def test_a_filter_refuses_a_config_that_is_none(change: dict, said: str) -> None:
@@ -275,6 +276,8 @@ def test_the_thesis_has_a_raw_heading_a_replacing_subset_no_process_noise_and_ev
         ({"subset": np.array([0, 40])}, "subset names samples 0 to 40, there are 40"),
         ({"subset": np.array([-1, 3])}, "subset names samples -1 to 3"),
         ({"subset": np.array([0.0, 1.0])}, "must be integers"),
+        ({"subset": np.array([3, 3])}, "subset names 2 of 40 samples, must name at least one, and each once"),
+        ({"subset": np.zeros(0, np.int64)}, "subset names 0 of 40 samples"),
         ({"config": GoalFilterConfig(heading="raw")}, r"a kernel has \(6, 2\) length-scales .* must have \(5, 2\)"),
     ],
 )

@@ -82,6 +82,7 @@ def test_samples_are_the_drives_moments_in_the_map_with_their_destination() -> N
     np.testing.assert_allclose(samples.pose[:, 0], 10 - log.pose[:, 1], atol=1e-12)
     np.testing.assert_allclose(samples.pose[:, 1], log.pose[:, 0], atol=1e-12)
     np.testing.assert_array_equal(samples.joystick, log.joystick)
+    np.testing.assert_array_equal(samples.twist, log.twist)
     assert set(samples.goal) == {2}
     assert set(samples.drive) == {7}
 
@@ -89,7 +90,8 @@ def test_samples_are_the_drives_moments_in_the_map_with_their_destination() -> N
 def test_samples_before_the_first_stick_are_left_out() -> None:
     log = drive_to(0, 3)
     later = dataclasses.replace(log, joystick_stamp=log.joystick_stamp[5:], joystick=log.joystick[5:])
-    assert len(drive_samples(later)) == len(log.odometry_stamp) - 5
+    samples = drive_samples(later)
+    np.testing.assert_allclose(samples.stamp, log.odometry_stamp[5:] - log.odometry_stamp[5], atol=1e-12)
 
 
 def test_all_drives_joined_know_which_drive_they_are_of() -> None:
@@ -111,6 +113,21 @@ def test_all_drives_joined_know_which_drive_they_are_of() -> None:
 def test_a_drive_that_cannot_teach_says_why(change: dict, said: str) -> None:
     with pytest.raises(ValueError, match=said):
         goal_samples([dataclasses.replace(drive_to(0, 1), **change)], GOALS)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"joystick": lambda stick: stick * 100}, r"joystick is up to .*, must lie in \[-1, 1\]"),
+        ({"stamp": lambda stamp: stamp * np.nan}, "stamp must be finite"),
+        ({"stamp": lambda stamp: stamp[:, None]}, r"stamp must be finite and \(\d+,\), is \(\d+, 1\)"),
+        ({"pose": lambda pose: pose * np.inf}, "pose must be finite"),
+    ],
+)
+def test_samples_in_other_units_or_that_are_not_finite_are_refused(change: dict, said: str) -> None:
+    samples = samples_of(drives(1))
+    with pytest.raises(ValueError, match=said), np.errstate(invalid="ignore"):
+        dataclasses.replace(samples, **{name: made(getattr(samples, name)) for name, made in change.items()})
 
 
 def test_no_drive_teaches_nothing() -> None:

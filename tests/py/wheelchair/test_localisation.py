@@ -78,6 +78,28 @@ def test_the_pose_is_the_one_whose_exact_ray_casts_agree_best(true: Pose2) -> No
     assert abs(found.yaw - true.yaw - best[2]) < 0.01
 
 
+@pytest.mark.parametrize("turned", [np.pi, np.pi / 2, -2.0])
+def test_a_scanner_that_looks_elsewhere_sees_the_walls_faces_that_it_looks_at(turned: float) -> None:
+    grid, true, mounting = room(), Pose2(4.2, 3.2, 0.4), Pose2(0.1, 0.0, turned)
+    ranges = RayCaster(grid, 30.0).cast(true * mounting, ANGLES)
+    scan = LaserScan(ranges, -math.pi / 2, math.radians(1), 0.0, 30.0)
+    found = ScanLocaliser(grid, true * Pose2(0.1, -0.1, 0.03)).update(scan, mounting, Pose2()).pose
+    assert math.hypot(found.x - true.x, found.y - true.y) < 0.03
+    assert abs(found.yaw - true.yaw) < 0.01
+
+
+def test_an_error_of_the_heading_turns_the_way_driven_since() -> None:
+    """To first order: y is off by the way along x times the heading's error."""
+    c = LocaliserConfig()
+    blind = LaserScan(np.full(181, np.inf, np.float32), -math.pi / 2, math.radians(1), 0.0, 30.0)
+    localiser = ScanLocaliser(room(), Pose2(1.0, 1.0, 0.0))
+    localiser.update(blind, MOUNTING, Pose2())
+    covariance = localiser.update(blind, MOUNTING, Pose2(5.0, 0.0, 0.0)).covariance
+    heading = c.initial_heading_sd**2 + c.drift_still**2
+    assert covariance[1, 2] == pytest.approx(5 * heading)
+    assert covariance[0, 2] == pytest.approx(0, abs=1e-12)
+
+
 # -- claims ---------------------------------------------------------------------------------------------------------
 
 

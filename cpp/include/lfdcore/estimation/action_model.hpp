@@ -25,7 +25,8 @@ struct ActionKernel {
   double noise = 0;                    ///< s, a standard deviation: y = f + e, e ~ N(0, s^2)
 };
 
-/// Throws std::invalid_argument unless amplitude and length-scales are > 0 and finite, noise >= 0 and 1 <= Dg <= 4.
+/// Throws std::invalid_argument unless amplitude and length-scales are > 0 and in [1e-20, 1e20], noise in [0, 1e20] and
+/// 1 <= Dg <= 4.
 void validate(const ActionKernel& kernel);
 
 /// Joint moments of the action y and the goal g ~ N(mu, Sigma).
@@ -41,14 +42,15 @@ class ActionModel {
   /// States (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. Without `subset` all samples are
   /// used. With it, the samples named by it: if `projected`, as the basis of a predictor that keeps all N targets (DTC,
   /// ERRATA 14; a sample within 1e-5 a of what the others of the subset span adds nothing and is left out); else as a
-  /// smaller training set, as the thesis has it. Throws std::invalid_argument for no, non-finite or ill-fitting data,
-  /// indices out of range or named twice, and a covariance that is not positive definite.
+  /// smaller training set, as the thesis has it. Throws std::invalid_argument for no or ill-fitting data, numbers
+  /// beyond
+  /// +-1e20, indices out of range or named twice, and a covariance that is not positive definite.
   ActionModel(const RowMatrix& states, const RowMatrix& goals, const RowMatrix& actions,
               std::vector<ActionKernel> kernels, const std::vector<std::int64_t>* subset = nullptr,
               bool projected = true);
 
   /// Exact moments at state (Dx,) for a goal of which `belief` is believed. No allocation; scratch holds
-  /// scratch_size() doubles. Throws std::invalid_argument for other sizes, for a state that is not finite and as
+  /// scratch_size() doubles. Throws std::invalid_argument for other sizes, for a state beyond +-1e20 and as
   /// validate(belief) does.
   ActionMoments moments(std::span<const double> state, const Belief& belief, std::span<double> scratch) const;
   std::size_t scratch_size() const;

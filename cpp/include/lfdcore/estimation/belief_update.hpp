@@ -10,7 +10,8 @@ namespace lfdcore {
 Belief widened(const Belief& belief, const Belief& prior, double process_noise);
 
 /// p(g | y) of p(g) = `belief` and the moments of (y, g) (2.2-2.3), without variances below 0 that rounding leaves.
-/// Throws std::invalid_argument for an action of another size or not finite and if its covariance is singular.
+/// Throws std::invalid_argument for an action of another size or beyond +-1e20, if its covariance is singular and if
+/// what comes out is no belief.
 Belief conditioned(const Belief& belief, const ActionMoments& moments, const ActionVector& action);
 
 }  // namespace lfdcore

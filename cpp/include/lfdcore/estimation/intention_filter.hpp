@@ -13,12 +13,13 @@ class IntentionFilter {
  public:
   /// `process_noise` [m^2] widens the belief before every update, but not beyond the prior (belief_update.hpp). 0 is
   /// the thesis: then successive actions count as independent and the belief gets overconfident (ERRATA 6). Throws
-  /// std::invalid_argument for a prior that is none of the model's goals and for a process noise that is negative or
-  /// infinite.
+  /// std::invalid_argument for a prior that is none of the model's goals and for a process noise outside
+  /// [0, 1e40] m^2.
   IntentionFilter(ActionModel model, Belief prior, double process_noise = 0);
 
   /// 2.2-2.3 with the action (Da,) taken at state (Dx,). No allocation. Throws std::invalid_argument, and leaves the
-  /// belief as it was, for other sizes, for what is not finite and if the action's covariance is singular (no noise).
+  /// belief as it was, for other sizes, for an action beyond +-1e20, a belief that would be none and if the action's
+  /// covariance is singular (no noise).
   const Belief& update(std::span<const double> state, std::span<const double> action);
   void reset();  ///< to the prior
 
