@@ -64,6 +64,9 @@ void bind_model(py::module_& m) {
           py::arg("path"), "The same from a file; also DataError where it cannot be read.")
       .def_property_readonly("name", &RobotModel::name)
       .def_property_readonly("joint_names", &RobotModel::joint_names, "N movable joints")
+      .def_property_readonly(
+          "collision_shapes", [](const RobotModel& m) { return m.capsules().size(); },
+          "how many spheres, cylinders and boxes its links have; meshes are not read")
       .def_property_readonly("link_names", &RobotModel::link_names, "the root first")
       .def_property_readonly("limits", &limit_rows,
                              "(N, 3) lower, upper [rad or m; -inf, inf of a continuous joint], velocity [rad/s or m/s]")

@@ -98,6 +98,12 @@ class RobotModel:
         """
 
     @property
+    def collision_shapes(self) -> int:
+        """
+        how many spheres, cylinders and boxes its links have; meshes are not read
+        """
+
+    @property
     def joint_names(self) -> list[str]:
         """
         N movable joints

@@ -21,6 +21,7 @@ from lfdcore.cli.common import (
     require_each_once,
     require_writable,
 )
+from lfdcore.cli.learn_collaboration import learn_collaboration_command
 from lfdcore.cli.learn_goals import learn_goals_command
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def _group() -> None:
 
 
 app.command("goals")(learn_goals_command)
+app.command("collaboration")(learn_collaboration_command)
 
 
 @app.command("drive")

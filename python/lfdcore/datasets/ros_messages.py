@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -157,6 +157,26 @@ def intention_message(nanoseconds: int, goal: ArrayLike, likelihood: float) -> A
         data=np.array([x, y, 0.0, likelihood], "<f8").view(np.uint8),
         is_dense=True,
     )
+
+
+def joint_trajectory_message(
+    names: Sequence[str], time: NDArray[np.float64], positions: NDArray[np.float64], velocities: NDArray[np.float64]
+) -> Any:
+    """trajectory_msgs/JointTrajectory of N joints in `base`: times (T,) [s], positions and velocities (T, N)."""
+    types = _types()
+    points = []
+    for at, where, fast in zip(time.tolist(), positions, velocities, strict=True):
+        seconds, rest = divmod(round(at * 1e9), 1_000_000_000)
+        points.append(
+            types["JointTrajectoryPoint"](
+                positions=where,
+                velocities=fast,
+                accelerations=np.zeros(0),
+                effort=np.zeros(0),
+                time_from_start=types["Duration"](sec=seconds, nanosec=rest),
+            )
+        )
+    return types["JointTrajectory"](header=_header(0, "base"), joint_names=list(names), points=points)
 
 
 def serialize(message: Any, message_type: str) -> bytes:

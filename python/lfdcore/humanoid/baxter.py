@@ -8,9 +8,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.kinematics import KinematicChain, RobotModel
+from lfdcore.kinematics import KinematicChain, RobotModel, solve_inverse_kinematics
 
 Side = Literal["left", "right"]
+
+ROBOTIQ_LENGTH = 0.16
+"""[m] from the hand's plate to where a Robotiq 2-finger 85 grasps, about"""
 
 NEUTRAL: dict[Side, tuple[float, ...]] = {
     "left": (-0.08, -1.0, -1.19, 1.94, 0.67, 1.03, -0.50),
@@ -46,13 +49,30 @@ def baxter_arm(model: RobotModel, side: Side, T_hand_tool: NDArray[np.float64] |
     return model.chain("base", f"{side}_hand_link", tool)
 
 
-def robotiq_tool(length: float = 0.16) -> NDArray[np.float64]:
+def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:
     """T_hand_tool (4, 4) of a gripper that grasps `length` [m] beyond the plate along its z axis.
 
-    About 0.16 m is a Robotiq 2-finger 85 on its coupling; the thesis names the maker but no length. Measure your own.
+    The default is about that of a Robotiq 2-finger 85 on its coupling; the thesis names the maker but no length.
+    Measure your own.
     """
     if not np.isfinite(length):
         raise ValueError(f"length is {length} m, must be finite")
     tool = np.eye(4)
     tool[2, 3] = length
     return tool
+
+
+def holding_posture(model: RobotModel, side: Side, place: tuple[float, float, float]) -> NDArray[np.float64]:
+    """(N,) [rad]: neutral_posture, but the gripper of `side` holds its tool at `place` [m, base], pointing forward and
+    down. ValueError where no posture reaches it."""
+    down = np.radians(110)
+    pose = np.eye(4)
+    pose[:3, :3] = [[np.cos(down), 0, np.sin(down)], [0, 1, 0], [-np.sin(down), 0, np.cos(down)]]
+    pose[:3, 3] = place
+    chain, q = baxter_arm(model, side), neutral_posture(model)
+    joints = [model.joint_names.index(name) for name in chain.joint_names]
+    found = solve_inverse_kinematics(chain, pose, seed=q[joints])
+    if not found.solved:
+        raise ValueError(f"the {side} gripper cannot hold at {place} m: {found.position_error:.3f} m away at best")
+    q[joints] = found.joints
+    return q

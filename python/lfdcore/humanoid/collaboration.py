@@ -210,7 +210,6 @@ class CollaborationModel:
             "environment": ", ".join(self.environment_names) or "none: a plain interaction primitive",
             "duration": f"{self.duration:.2f} s",
             "observe": f"{self.config.observe}, noise {float(self.primitive.config.noise or 0):.3g}",
-            **{name: value for name, value in self.metadata.items() if name != "demonstrations"},
         }
 
     def _environment(self, given: Mapping[str, float] | None) -> Array | None:
