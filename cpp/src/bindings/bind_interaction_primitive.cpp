@@ -86,6 +86,8 @@ void bind_posterior(py::module_& m) {
       .def_property_readonly("mean", &Posterior::mean, "(D,), D = N (M + 1): w_1, g_1, w_2, ...; computed anew")
       .def_property_readonly("factor", &Posterior::factor, "(D, S), the covariance is factor @ factor.T; computed anew")
       .def_property_readonly("start", &Posterior::start, "(N,) expected begin of the motion")
+      .def_property_readonly("log_likelihood", &Posterior::log_likelihood,
+                             "ln p(what was seen), the environment standardised (first block of 5.14)")
       .def_property_readonly("trace", &Posterior::trace, "of theta's covariance")
       .def_property_readonly("robot", &Posterior::robot,
                              "The mean's Dmp of the robot, to be run from phase x* and the robot's own state (ERRATA "

@@ -97,6 +97,8 @@ void Information::add_environment(const InteractionModel& model, const Eigen::Ve
     const double surprise = environment[i] / model.scale[i] - model.centre[i];
     environment_matrix += reaction * reaction.transpose() / model.config.environment_noise;
     environment_vector += reaction * (surprise / model.config.environment_noise);
+    environment_squares += surprise * surprise / model.config.environment_noise;
+    ++environment_count;
   }
 }
 
@@ -156,6 +158,8 @@ void Information::add_group(const InteractionModel& model, const Series& rows, c
   transposed_product({gram.data(), width}, {B.data(), columns}, spread.data(), width, width, columns);
   Series surprise = Series::Zero(R.rows(), static_cast<Eigen::Index>(n_padded));
   surprise.leftCols(n).noalias() = values - R.lazyProduct(mean);
+  squares += surprise.squaredNorm();
+  count += values.size();
   Series weighted(R.cols(), static_cast<Eigen::Index>(n_padded));
   transposed_product({R.data(), width}, {surprise.data(), n_padded}, weighted.data(), size(R.rows()), width, n_padded);
   for (Eigen::Index d = 0; d < n; ++d) {
@@ -171,8 +175,11 @@ void Information::add_sample(const InteractionModel& model, const Eigen::Ref<con
     if (std::isnan(values[d])) continue;
     const auto B = model.loadings.block(0, d * model.lanes, row.size(), model.lanes);
     const Eigen::VectorXd reaction = B.transpose() * row;
+    const double surprise = values[d] - row.dot(model.means.col(d).head(row.size()));
     matrix.noalias() += reaction * reaction.transpose();
-    vector += reaction * (values[d] - row.dot(model.means.col(d).head(row.size())));
+    vector += reaction * surprise;
+    squares += surprise * surprise;
+    ++count;
   }
 }
 

@@ -39,8 +39,12 @@ struct InteractionModel {
 struct Information {
   Series matrix;           ///< (lanes, lanes), the partner's times sigma^2
   Eigen::VectorXd vector;  ///< (lanes,)
+  double squares = 0;      ///< of what the partner's values differ from the mean by
+  Eigen::Index count = 0;  ///< of those values
   Eigen::MatrixXd environment_matrix;
   Eigen::VectorXd environment_vector;
+  double environment_squares = 0;  ///< over sigma_e^2
+  Eigen::Index environment_count = 0;
 
   explicit Information(const InteractionModel& model);
   void add_environment(const InteractionModel& model, const Eigen::VectorXd& environment);

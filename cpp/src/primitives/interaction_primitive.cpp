@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -238,8 +239,15 @@ InteractionPosterior::InteractionPosterior(std::shared_ptr<const InteractionMode
   Eigen::MatrixXd precision = seen.environment_matrix + seen.matrix.topLeftCorner(S, S) / noise;
   precision.diagonal().array() += 1;
   const Eigen::LLT<Eigen::MatrixXd> factor(precision);
-  latent_ = factor.solve(seen.environment_vector + seen.vector.head(S) / noise);
+  const Eigen::VectorXd surprise = seen.environment_vector + seen.vector.head(S) / noise;
+  latent_ = factor.solve(surprise);
   spread_ = factor.matrixU().solve(Eigen::MatrixXd::Identity(S, S));
+  const double squares = seen.squares / noise + seen.environment_squares - surprise.dot(latent_);
+  const double widths =
+      double(seen.count) * std::log(2 * std::numbers::pi * noise) +
+      double(seen.environment_count) * std::log(2 * std::numbers::pi * model_->config.environment_noise);
+  const double volume = 2 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum();
+  log_likelihood_ = -0.5 * (squares + widths + volume);
 }
 
 Dmp InteractionPosterior::motion(Eigen::Index first, Eigen::Index count) const {

@@ -669,6 +669,12 @@ class InteractionPosterior:
         """
 
     @property
+    def log_likelihood(self) -> float:
+        """
+        ln p(what was seen), the environment standardised (first block of 5.14)
+        """
+
+    @property
     def mean(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (D,), D = N (M + 1): w_1, g_1, w_2, ...; computed anew

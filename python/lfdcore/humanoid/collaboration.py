@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from lfdcore.datasets.interaction import LONGEST_GAP, InteractionRecording, environments, require_environment
 from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
+from lfdcore.humanoid.partner_phase import condition_at, follow, likeliest_share
 from lfdcore.humanoid.pose_columns import PoseColumns
 from lfdcore.primitives import (
     DmpConfig,
@@ -39,8 +40,8 @@ class CollaborationConfig:
     basis_functions: int = 20
     """M of every degree of freedom (F13)"""
     observe: Literal["positions", "forcing"] = "positions"
-    """What of the partner enters the likelihood: positions, or the forcing function as printed (5.11, 5.12), for which
-    what a tracker saw is differentiated twice"""
+    """What of the partner enters the likelihood: positions, the phase being the likeliest; or as printed the forcing
+    function (5.11, 5.12), for which what a tracker saw is differentiated twice, the phase being time warping's (5.5)"""
     noise: float | None = None
     """sigma^2 of what is observed, in its unit squared; None: the fit's residual (F13)"""
     environment_noise: float = 1e-3
@@ -84,7 +85,8 @@ class CollaborationInference:
     posterior: InteractionPosterior
     """p(theta | partner, e)"""
     phase: PartnerPhase | None
-    """how far the partner has come (5.5); until it is determined, a partner's place alone is heeded; None: not seen"""
+    """how far the partner has come by time warping, and how fast (5.5); until it is determined, a partner's place alone
+    is heeded; None: not seen"""
     share: float
     """of the motion that is over, 0 to 1"""
     duration: float
@@ -184,12 +186,16 @@ class CollaborationModel:
         if partial is None:
             posterior = self.primitive.condition(None, None, given)
             return self._inference(posterior, None, 0.0, self.duration)
-        phase, shares, seen = self._followed(partial)
-        share = float(shares[-1])
-        decay = float(self.primitive.config.dmp.phase_decay)
-        posterior = self.primitive.condition(seen, np.exp(-decay * shares), given)
-        tempo = phase.mean_rate if share > 0 else 1.0  # t*/T' (F14)
-        return self._inference(posterior, phase, share, self.duration / tempo)
+        seen = self._columns(partial)
+        if np.isnan(seen).all():
+            raise ValueError(f"{partial.name or 'the recording'}: no sample of the partner was seen")
+        followed = follow(self.reference, self.duration, partial.stamp, seen)
+        share = followed.warped_share
+        if self.config.observe == "positions":
+            share = likeliest_share(self.primitive, followed, self.duration, given)
+        posterior = condition_at(self.primitive, followed, share, given)
+        duration = float(followed.active[-1]) / share if share > 0 else self.duration  # 1 / tau = T'/t* (F14)
+        return self._inference(posterior, followed.phase, share, duration)
 
     def _inference(
         self, posterior: InteractionPosterior, phase: PartnerPhase | None, share: float, duration: float
@@ -220,25 +226,6 @@ class CollaborationModel:
         if missing:
             raise ValueError(f"the environment lacks {', '.join(missing)}: it has {', '.join(values) or 'nothing'}")
         return np.array([values[name] for name in self.environment_names])
-
-    def _followed(self, partial: InteractionRecording) -> tuple[PartnerPhase, Array, Array]:
-        """Phase, and of the samples to be heeded shares of the motion (K,) and columns (K, n).
-
-        Samples are spread evenly over the way to t*, as the thesis resamples them; those of a pause are left out. While
-        the phase is not determined the last sample alone is heeded: partner and robot are at their start.
-        """
-        estimator, seen = PhaseEstimator(self.reference, self.duration), self._columns(partial)
-        if np.isnan(seen).all():
-            raise ValueError(f"{partial.name or 'the recording'}: no sample of the partner was seen")
-        phases = [estimator.observe(float(at), one) for at, one in zip(partial.stamp, seen, strict=True)]
-        last = phases[-1]
-        if not last.determined or last.index < 1:
-            return last, np.zeros(1), seen[-1:]
-        moving = np.array([not one.paused for one in phases])
-        moving[0] = True
-        active = np.append(0.0, np.cumsum(np.diff(partial.stamp) * moving[1:]))[moving]
-        share = last.index / (len(self.reference) - 1)
-        return last, share * active / active[-1] if active[-1] > 0 else np.array([share]), seen[moving]
 
     def _columns(self, partial: InteractionRecording) -> Array:
         unknown = [name for name in partial.partner_names if name not in self.partner_names]

@@ -359,3 +359,46 @@ AT = phases(STEPS, DMP)
 def test_wrong_input_is_refused_by_name(call: object, says: str) -> None:
     with pytest.raises(ValueError, match=says):
         call()  # type: ignore[operator]
+
+
+# -- what was seen is how likely --------------------------------------------------------------------------------------
+
+
+def walks(seed: int, count: int = 6) -> list[np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return [rng.normal(size=(60, 2)).cumsum(axis=0) for _ in range(count)]
+
+
+def test_the_likelihood_is_that_of_the_dense_gaussian() -> None:
+    partner, environment = walks(1), np.random.default_rng(2).normal(size=(6, 2))
+    dmp = DmpConfig(basis_functions=5)
+    config = InteractionPrimitiveConfig(dmp=dmp, observe="forcing", noise=3e4)
+    primitive = InteractionPrimitive.fit(partner, [motion[:, :1] for motion in partner], environment, config)
+    phase, seen = phases(60, dmp)[:20], partner[0][:20] + 0.1
+    theta = primitive.parameters
+    loading = ((theta - theta.mean(axis=0)) / np.sqrt(6)).T
+    row = np.column_stack([basis(phase, dmp), np.full(20, dmp.stiffness * dmp.damping)])
+    rows = np.zeros((40, theta.shape[1]))
+    rows[:20, :6], rows[20:, 6:12] = row, row
+    scaled = environment / environment.std(axis=0)
+    mean = np.r_[rows @ theta.mean(axis=0), scaled.mean(axis=0)]
+    spread = np.vstack([rows @ loading, ((scaled - scaled.mean(axis=0)) / np.sqrt(6)).T])
+    covariance = spread @ spread.T + np.diag(np.r_[np.full(40, 3e4), np.full(2, 1e-3)])
+    off = np.r_[partner_forcing(seen, phase, dmp).T.ravel(), environment[1] / environment.std(axis=0)] - mean
+    expected = -0.5 * (off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(2 * np.pi * covariance)[1])
+    found = primitive.condition(seen, phase, environment[1]).log_likelihood
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_nothing_seen_has_likelihood_1_and_one_by_one_is_as_at_once() -> None:
+    partner = walks(3)
+    config = InteractionPrimitiveConfig(dmp=DmpConfig(basis_functions=5), observe="positions", noise=0.5)
+    primitive = InteractionPrimitive.fit(partner, partner, None, config)
+    assert primitive.condition().log_likelihood == 0
+    phase, seen = phases(60, config.dmp)[:20], partner[1][:20].copy()
+    seen[4:9, 0] = np.nan
+    observer = primitive.begin()
+    for at, values in zip(phase, seen, strict=True):
+        observer.observe(float(at), values)
+    at_once = primitive.condition(seen, phase).log_likelihood
+    assert observer.posterior().log_likelihood == pytest.approx(at_once, rel=1e-9)

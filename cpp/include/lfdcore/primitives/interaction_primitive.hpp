@@ -48,6 +48,8 @@ class InteractionPosterior {
   Eigen::MatrixXd factor() const;  ///< (D, S): the covariance is factor factor^T
   Eigen::VectorXd start() const;   ///< (N,) expected begin of the motion
   double trace() const;            ///< of theta's covariance
+  /// ln p(what was seen), the environment standardised: 5.14's first block, by the matrix determinant lemma.
+  double log_likelihood() const { return log_likelihood_; }
 
   /// Mean and covariance of the motion, which is linear in theta and the start.
   InteractionTrajectory trajectory(int steps) const;
@@ -64,6 +66,7 @@ class InteractionPosterior {
   std::shared_ptr<const detail::InteractionModel> model_;
   Eigen::VectorXd latent_;  // (S,) mean of z, theta = mu + L z (ERRATA 40)
   Eigen::MatrixXd spread_;  // (S, S) upper triangular, cov z = spread spread^T
+  double log_likelihood_ = 0;
 };
 
 /// Gathers what is seen, sample by sample: an S x S matrix of information. One thread at a time.
