@@ -19,30 +19,30 @@ from lfdcore.study.statistics import summarise
 
 Floats = NDArray[np.float64]
 COLOURS = {"IP": "#f0623d", "EaIP": "#1a9850"}
-DEMONSTRATION, GENERATED, MEAN, SEEN, BOX = "#2563c9", "#1a9850", "#0b5d2e", "#1f2328", "#c3c8cf"
+DEMONSTRATION, GENERATED, MEAN, SEEN, BOX = "#2563c9", "#1a9850", "#0b3d20", "#f39c12", "#c3c8cf"
 SHOWN = (0, 20, 60, 100)
 """L of Fig. 5.6's rows"""
-_TOP = 150.0
+_TOP = 180.0
 """[px] y of the upper edge of a panel: nothing goes higher"""
 
 
 @styled
 def demonstrations_figure(example: PassingExample) -> Figure:
     """As Fig. 5.5: what is learned from, and motions drawn from p(theta | e) with nothing of the partner seen."""
-    figure = Figure(figsize=(PAGE, 2.9), layout="constrained")
+    figure = Figure(figsize=(PAGE, 2.35), layout="constrained")
     panels = figure.subplots(1, len(TRAINING), sharey=True)
     each = len(example.data.training) // len(TRAINING)
     for k, (axes, rectangle) in enumerate(zip(panels, TRAINING, strict=True)):
         demonstrations = example.data.training[k * each : (k + 1) * each]
         motions, _ = example.drawn(demonstrations[0], 0)
         _scene(axes, rectangle)
-        _lines(axes, [one.partner for one in demonstrations], DEMONSTRATION, 0.9, 2, 0.75)
-        _lines(axes, list(motions[:each]), GENERATED, 0.9, 3, 0.75)
+        _lines(axes, [one.partner for one in demonstrations], DEMONSTRATION, 2.2, 2, 0.45)
+        _lines(axes, list(motions[:each]), GENERATED, 0.6, 3, 0.9)
         axes.set_title(f"e = {rectangle.width:g} x {rectangle.height:g} px", loc="left")
         axes.set_xlabel("x [px]")
     panels[0].set_ylabel("y [px]")
-    for colour, label in ((DEMONSTRATION, f"{each} demonstrations"), (GENERATED, f"{each} generated, L = 0")):
-        panels[0].plot([], [], color=colour, label=label)
+    for colour, width, label in ((DEMONSTRATION, 2.2, "demonstrations"), (GENERATED, 0.9, "generated, L = 0")):
+        panels[0].plot([], [], color=colour, lw=width, label=f"{each} {label}")
     _legend_below(figure, panels[0])
     return figure
 
@@ -51,7 +51,7 @@ def demonstrations_figure(example: PassingExample) -> Figure:
 def observations_figure(example: PassingExample) -> Figure:
     """As Fig. 5.6: one person a rectangle (the first held out), rows of L; samples of the posterior and its mean."""
     people = [(r, several[0]) for group in (example.data.known, example.data.novel) for r, several in group.items()]
-    figure = Figure(figsize=(PAGE, 1.5 * len(SHOWN) + 0.5), layout="constrained")
+    figure = Figure(figsize=(PAGE, 0.98 * len(SHOWN) + 0.75), layout="constrained")
     panels = figure.subplots(len(SHOWN), len(people), sharex=True, sharey=True)
     for row, length in zip(panels, SHOWN, strict=True):
         for axes, (rectangle, person) in zip(row, people, strict=True):
@@ -76,7 +76,7 @@ def _draw_glimpse(
     _lines(axes, list(motions), GENERATED, 0.5, 2, 0.5)
     axes.plot(*mean.T, color=MEAN, ls="--", lw=1.3, zorder=3)
     if length:
-        axes.plot(*person.partner[:length].T, color=SEEN, lw=2.2, solid_capstyle="round", zorder=4)
+        axes.plot(*person.partner[:length].T, color=SEEN, lw=3.0, solid_capstyle="round", zorder=1.5)
 
 
 def _scene(axes: Axes, rectangle: Rectangle, dashed: bool = False) -> None:
@@ -86,7 +86,7 @@ def _scene(axes: Axes, rectangle: Rectangle, dashed: bool = False) -> None:
     box.set_linestyle((0, (4, 3)) if dashed else "-")
     axes.add_patch(box)
     axes.axhline(GROUND, color="#8a9099", lw=0.7, zorder=0.5)
-    axes.set(xlim=(0, SCREEN[0]), ylim=(GROUND + 20, _TOP), aspect="equal", xticks=(0, 200, 400, 600))
+    axes.set(xlim=(0, SCREEN[0]), ylim=(GROUND + 15, _TOP), aspect="equal", xticks=(0, 200, 400, 600))
     axes.tick_params(length=2.5, width=0.6)
 
 
@@ -112,7 +112,7 @@ def distance_figure(result: PassingResult) -> Figure:
         row[0].set_ylabel("DTW distance [px per sample]")
     for axes in panels[-1]:
         axes.set_xlabel("L, samples observed")
-    panels[0, 0].set(xlim=(0, STEPS), xticks=range(0, STEPS + 1, 20))
+    panels[0, 0].set(xlim=(-3, STEPS + 3), xticks=range(0, STEPS + 1, 20))
     panels[0, 0].set_ylim(bottom=0)
     _legend_below(figure, panels[0, 0])
     return figure

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 TITLE = "Passing over a rectangle (Sec. 5.5)"
 FORMS = {"": "positions", ", phase told": "phase told", ", printed": "as printed"}
 """Ends of the arms' names, and what they stand for."""
-BOTH, HORIZONTAL = AXES
+BOTH, _ = AXES
 
 
 # -- figures to reach -----------------------------------------------------------------------------------------------
@@ -236,16 +236,13 @@ def passing_tables(result: PassingResult) -> list[Table]:
 
 def passing_headline(result: PassingResult) -> str:
     """The result in two sentences."""
-    told = [
-        f"{arm} {summarise(result.by_seed(result.distance, arm, BOTH, 'novel')[:, 0]).mean:.1f}"
-        for arm in ("EaIP", "IP")
-    ]
+    ip, eaip = (result.by_seed(result.distance, arm, BOTH, "novel")[:, 0].mean() for arm in ("IP", "EaIP"))
     found = claims(result)
-    missed = [one.aim.label for one in found if not one.aim.reached]
+    missed = "".join(f"; MISSED: {one.aim.label}" for one in found if not one.aim.reached)
     return (
-        f"Novel rectangles, nothing of the partner seen: DTW distance to demonstrations {', '.join(told)} px per "
-        f"sample (two demonstrations: {result.floor_by_seed('novel').mean():.1f}); {_origin(result)}. Figures to reach: "
-        f"{len(found) - len(missed)} of {len(found)} reached{'; MISSED: ' + ', '.join(missed) if missed else ''}."
+        f"Novel rectangles, nothing of the partner seen: DTW distance to demonstrations EaIP {eaip:.1f}, IP {ip:.1f} "
+        f"px per sample (two demonstrations: {result.floor_by_seed('novel').mean():.1f}); {_origin(result)}. "
+        f"Figures to reach: {sum(one.aim.reached for one in found)} of {len(found)} reached{missed}."
     )
 
 
