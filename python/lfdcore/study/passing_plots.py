@@ -51,7 +51,7 @@ def demonstrations_figure(example: PassingExample) -> Figure:
 def observations_figure(example: PassingExample) -> Figure:
     """As Fig. 5.6: one person a rectangle (the first held out), rows of L; samples of the posterior and its mean."""
     people = [(r, several[0]) for group in (example.data.known, example.data.novel) for r, several in group.items()]
-    figure = Figure(figsize=(PAGE, 0.98 * len(SHOWN) + 0.75), layout="constrained")
+    figure = Figure(figsize=(PAGE, 0.8 * len(SHOWN) + 0.8), layout="constrained")
     panels = figure.subplots(len(SHOWN), len(people), sharex=True, sharey=True)
     for row, length in zip(panels, SHOWN, strict=True):
         for axes, (rectangle, person) in zip(row, people, strict=True):
