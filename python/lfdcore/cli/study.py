@@ -15,6 +15,7 @@ from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_learning_curve import study_learning_curve
+from lfdcore.cli.study_passing import study_passing
 
 if TYPE_CHECKING:
     from lfdcore.study.driving import DrivingResult, StudyModels
@@ -162,3 +163,4 @@ app.command("learning-curve")(study_learning_curve)
 app.command("goals")(study_goals)
 app.command("adaptation")(study_adaptation)
 app.command("backwards")(study_backwards)
+app.command("passing")(study_passing)

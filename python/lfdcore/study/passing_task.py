@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.covering import segment_distance
+from lfdcore.primitives import dtw_distance
 
 Array = NDArray[np.float64]
 
@@ -179,15 +180,7 @@ def dtw_per_sample(path: ArrayLike, sample: ArrayLike) -> float:
     """DTW distance [px per sample] of two paths (T, 2), (U, 2): the least sum of Euclidean distances (Alg. 9, ERRATA
     49) over the longer path's number of samples. The measure of Fig. 5.7."""
     a, b = _require_path(path), _require_path(sample)
-    costs = np.linalg.norm(a[:, None] - b[None], axis=2)
-    previous, before = np.full(len(a) + 1, np.inf), np.full(len(a) + 1, np.inf)
-    before[0] = 0.0  # anti-diagonals: cell (i, d - i) needs the two before it
-    for d in range(2, len(a) + len(b) + 1):
-        i = np.arange(max(1, d - len(b)), min(len(a), d - 1) + 1)
-        now = np.full(len(a) + 1, np.inf)
-        now[i] = costs[i - 1, d - i - 1] + np.minimum(before[i - 1], np.minimum(previous[i - 1], previous[i]))
-        before, previous = previous, now
-    return float(previous[len(a)]) / max(len(a), len(b))
+    return dtw_distance(a, b) / max(len(a), len(b))
 
 
 def distance_to_samples(path: ArrayLike, samples: Sequence[InteractionRecording]) -> float:
