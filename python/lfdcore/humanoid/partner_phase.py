@@ -7,7 +7,7 @@ the motion, p(what was seen | s) (first block of 5.14) has its maximum nearer to
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,10 @@ from lfdcore.primitives import InteractionPosterior, InteractionPrimitive, Partn
 Array = NDArray[np.float64]
 TEMPO_DEVIATION = 0.5
 """of the logarithm of a partner's tempo, before anything is seen: half or twice as fast is 1.4 of it"""
-_COARSE, _FINE = 50, 9
+_COARSE, _FINE = 40, 9
 """shares that are tried: over the whole motion, then around the best"""
+_MOST = 80
+"""samples that a share is judged by"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,13 @@ def follow(reference: Array, duration: float, stamp: Array, samples: Array) -> F
     return Followed(last, active, samples[moving], last.index / (len(reference) - 1))
 
 
+def _thinned(followed: Followed) -> Followed:
+    """At most _MOST of the samples, evenly chosen, the last among them."""
+    count = len(followed.active)
+    kept = np.unique(np.linspace(0, count - 1, min(count, _MOST)).round().astype(np.int64))
+    return replace(followed, active=followed.active[kept], samples=followed.samples[kept])
+
+
 def condition_at(
     primitive: InteractionPrimitive, followed: Followed, share: float, environment: Array | None
 ) -> InteractionPosterior:
@@ -65,10 +74,11 @@ def likeliest_share(
     [s] on average. 0 while the partner has not left the start."""
     if not followed.warped_share > 0:
         return 0.0
+    thinned = _thinned(followed)
 
     def score(share: float) -> float:
         tempo = share * duration / float(followed.active[-1])
-        seen = condition_at(primitive, followed, share, environment).log_likelihood
+        seen = condition_at(primitive, thinned, share, environment).log_likelihood
         return float(seen - 0.5 * (np.log(tempo) / TEMPO_DEVIATION) ** 2)
 
     coarse = np.arange(1, _COARSE + 1) / _COARSE

@@ -53,7 +53,7 @@ class Arm:
     name: str
     config: CollaborationConfig
     phase_known: bool = False
-    """the observation's phases are told instead of estimated by DTW (5.5)"""
+    """the observation's phases are told instead of estimated"""
 
 
 def _arms() -> tuple[Arm, ...]:

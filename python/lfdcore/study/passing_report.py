@@ -99,7 +99,7 @@ def claims_table(result: PassingResult) -> Table:
         ("ratio of mean DTW distances", "wanted", *FORMS.values()),
         rows,
         "Of several L, the one nearest to failing. In brackets: 95 % percentiles of a bootstrap over seeds. "
-        f"{_cases(result)} Positions: the partner's positions are observed, phases estimated by DTW (5.5): what is to "
+        f"{_cases(result)} Positions: the partner's positions are observed, the phase being the likeliest: what is to "
         "be reached. Phase told: the same with phases known. As printed: forcing functions are observed (5.11, 5.12) "
         "and e weighs as printed after 5.16.",
     )

@@ -154,12 +154,11 @@ def test_with_the_environment_every_path_passes_and_without_not(whole: PassingRe
     assert whole.by_seed(whole.passed, "IP", "both axes", "novel")[0, 0] <= 2 / 3
 
 
-def test_the_phase_estimate_costs_nothing_in_between_and_much_once_all_was_seen(whole: PassingResult) -> None:
+def test_the_estimate_of_the_phase_costs_next_to_nothing(whole: PassingResult) -> None:
     estimated, told = (
         whole.by_seed(whole.distance, f"EaIP{form}", "both axes", "novel")[0] for form in ("", ", phase told")
     )
-    np.testing.assert_allclose(estimated[:3], told[:3], rtol=0.1)
-    assert estimated[3] > 1.2 * told[3]
+    np.testing.assert_allclose(estimated, told, rtol=0.1)
 
 
 def test_the_result_does_not_depend_on_the_number_of_processes(small: PassingResult) -> None:
