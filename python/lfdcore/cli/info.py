@@ -12,9 +12,10 @@ from lfdcore.cli.common import JsonOption, print_facts, print_json
 
 
 def info(
-    file: Annotated[Path, typer.Argument(help="A drive log, a model or a map.")], as_json: JsonOption = False
+    file: Annotated[Path, typer.Argument(help="A drive log, a recorded collaboration, a model or a map.")],
+    as_json: JsonOption = False,
 ) -> None:
-    """Say what a drive log, a model or a map holds."""
+    """Say what a drive log, a recorded collaboration, a model or a map holds."""
     facts = _facts(file)
     if as_json:
         print_json(facts)
@@ -29,6 +30,8 @@ def _facts(file: Path) -> dict[str, Any]:
 
     if file.suffix == ".safetensors" or is_tensor_file(file):
         return _model_facts(file)
+    if file.suffix == ".npz":
+        return _interaction_facts(file)
     if file.suffix in {".yaml", ".yml"}:
         return _map_facts(file)
     return _log_facts(file)
@@ -36,10 +39,32 @@ def _facts(file: Path) -> dict[str, Any]:
 
 def _model_facts(file: Path) -> dict[str, Any]:
     from lfdcore.datasets.tensor_file import tensor_file_format
+    from lfdcore.humanoid import collaboration
     from lfdcore.wheelchair.models import load_any_model
 
-    model = load_any_model(file)
-    return {"kind": f"{tensor_file_format(file).removeprefix('lfdcore ')} model", **model.summary()}
+    kind = tensor_file_format(file)
+    load = collaboration.CollaborationModel.load if kind == collaboration.KIND else load_any_model
+    return {"kind": f"{kind.removeprefix('lfdcore ')} model", **load(file).summary()}
+
+
+def _interaction_facts(file: Path) -> dict[str, Any]:
+    import numpy as np
+
+    from lfdcore.datasets.interaction import load_interaction
+
+    one = load_interaction(file)
+    lost = float(np.isnan(one.partner).mean()) if one.partner.size else 0.0
+    return {
+        "kind": "recorded collaboration",
+        "name": one.name,
+        "duration [s]": round(one.duration, 2),
+        "samples": len(one),
+        "partner": f"{', '.join(one.partner_names)}; {100 * lost:.1f} % not seen",
+        "robot": ", ".join(one.robot_names) or "not recorded",
+        "frame": one.frame,
+        "environment": one.environment,
+        **one.metadata,
+    }
 
 
 def _map_facts(file: Path) -> dict[str, Any]:

@@ -20,9 +20,11 @@ from goal_worlds import GOALS, drive_to, drives
 from lfdcore.datasets import open_log
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan, ObstaclePoints, OccupancyGrid
+from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
 from lfdcore.study.courses import home
 from lfdcore.study.drivers import ExpertDriver
+from lfdcore.study.passing_task import Rectangle, demonstrate_passing
 from lfdcore.study.runner import run_drive
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
 from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
@@ -42,6 +44,7 @@ PRESETS: dict[str, tuple[Any, Any]] = {
     "learning": (LearningConfig.thesis(), LearningConfig()),
     "heatmap_learning": (HeatmapLearningConfig.thesis(), HeatmapLearningConfig()),
     "goal_learning": (GoalLearningConfig.thesis(), GoalLearningConfig()),
+    "collaboration": (CollaborationConfig.thesis(), CollaborationConfig()),
     "assistant": (DriveAssistantConfig.thesis(), DriveAssistantConfig()),
     "prediction": (PathPredictionConfig.thesis(), PathPredictionConfig()),
 }
@@ -174,6 +177,16 @@ def goal_outcome(config: GoalLearningConfig) -> Iterator[bytes]:
         yield belief.mean.tobytes() + belief.covariance.tobytes()
 
 
+def collaboration_outcome(config: CollaborationConfig) -> Iterator[bytes]:
+    """The motion inferred from half of another partner's, of more demonstrations than parameters."""
+    small = dataclasses.replace(config, basis_functions=3, steps=60)
+    taught = [demonstrate_passing(Rectangle(100 + 3 * k, 80 + 2 * k), [9, k]) for k in range(20)]
+    seen = demonstrate_passing(Rectangle(120, 100), [9, 99])
+    yield (
+        CollaborationModel.fit(taught, small).infer(seen.partial(share=0.5), seen.environment).robot_motion().tobytes()
+    )
+
+
 def pausing(log: Any) -> Any:
     """The drive with the stick let go for a second at its beginning."""
     stick = log.joystick.copy()
@@ -289,6 +302,8 @@ def outcome(
             return joystick_outcome(config, log)
         if kind == "goal_learning":
             return goal_outcome(config)
+        if kind == "collaboration":
+            return collaboration_outcome(config)
         if kind == "prediction":
             return prediction_outcome(config, model, seen, log.T_base_laser)
         return assistant_outcome(config, model, HeatmapModel.load(heatmap_model))
