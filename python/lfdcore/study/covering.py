@@ -1,9 +1,9 @@
 """Covering furniture with a bag: interaction primitives with (EaIP) and without (IP) a look at the scene (Sec. 5.6).
 
-A study draws demonstrations from `covering_task` for each seed, learns EaIP and IP from them - the same code, IP without
-e, the noise of both chosen by the same cross-validation - and judges what they infer with people who were not seen in
-training: is the object covered without a collision, how far is the motion from the final one (all observed) and from
-the held-out demonstration, and what is the partner's motion worth.
+For each seed, demonstrations are drawn from `covering_task`; EaIP and IP learn from them - the same code, IP without e,
+the noise of both chosen by the same cross-validation - and what they infer with people who were not seen in training is
+judged: is the object covered without a collision, how far is the motion from the final one (all observed) and from the
+held-out demonstration, and what is the partner's motion worth.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class CoveringRun:
     errors: dict[tuple[str, str], ShareErrors]
     """(form, method)"""
     partners: dict[str, Floats]
-    """EaIP by whose motion it sees -> (len(PARTNER_SHARES),) RMSE [m] to the demonstration, mean of objects and people"""
+    """EaIP by whose motion it sees -> (len(PARTNER_SHARES),) RMSE [m] to the demonstrations, mean of all"""
     shown: ShownMotions
 
 
@@ -183,9 +183,10 @@ def run_covering_study(
 ) -> CoveringResult:
     """Learns and judges over processes; the same study gives the same result whatever their number."""
     protocols = (BOUNDING_BOX, GROUND_TRUTH)
-    runs: list[_Job] = [_Job(study, seed, protocol) for protocol in protocols for seed in study.all_seeds]
+    runs = [_Job(study, seed, protocol) for protocol in protocols for seed in study.all_seeds]
     dials = [_Dial(study, seed, i, own) for i in study.dials for own in (True, False) for seed in study.all_seeds]
-    done = run_jobs([*runs, *dials], progress, processes)
+    jobs: list[_Job | _Dial] = [*runs, *dials]
+    done = run_jobs(jobs, progress, processes)
     return CoveringResult(
         study,
         tuple(one for one in done if isinstance(one, CoveringRun)),
@@ -302,9 +303,7 @@ class _Job:
             SHUFFLED: _mean_errors(shuffled, cases),
         }
 
-    def _shown(
-        self, models: dict[str, CollaborationModel], data: CoveringData, cases: Sequence[_Case]
-    ) -> ShownMotions:
+    def _shown(self, models: dict[str, CollaborationModel], data: CoveringData, cases: Sequence[_Case]) -> ShownMotions:
         first = {case.name: case for case in cases if case.person == 0}
         inferred: dict[str, dict[str, tuple[Floats, ...]]] = {
             method: {
