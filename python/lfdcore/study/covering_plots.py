@@ -100,10 +100,10 @@ def share_paths_figure(run: CoveringRun) -> Figure:
         for share, motion in zip(SHARES, run.shown.by_share[method], strict=True):
             _path(axes, motion, shades(0.1 + 0.9 * share), linewidth=1.2)
         _yz(axes, f"{method}, {EXAMPLE}")
-        axes.set(ylim=(-0.25, None), xlim=(-0.4, None))
+        axes.set(ylim=(-0.2, 0.28), xlim=(-0.14, 0.68))
     panels[1].set_ylabel("")
     scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(0, 1), _shifted())
-    figure.colorbar(scale, ax=list(panels), label="share observed", aspect=16)
+    figure.colorbar(scale, ax=list(panels), label="share observed", pad=0.01, aspect=16)
     return figure
 
 
@@ -133,18 +133,29 @@ def share_errors_figure(result: CoveringResult) -> Figure:
         early = share_errors(result, "positions", "EaIP", name)[:, SHARES.index(0.1)]
         axes.axhline(100 * float(early.mean()), color=BOX, linewidth=0.8, linestyle="--", zorder=0)
         axes.set_title(title, loc="left")
-        axes.set(xlabel="share observed", xlim=(0, 1), ylim=(0, None))
+        axes.set(xlabel="share of the partner's motion observed", xlim=(0, 1))
         axes.grid(linewidth=0.3, color="#d0d7de")
-    panels[0].set_ylabel("RMSE [cm]")
+    panels[0].set(ylabel="RMSE [cm]", ylim=(0, None))  # after both are drawn: they share it
     figure.legend(handles=panels[0].get_lines()[:4], loc="outside lower center", ncols=4, frameon=False)
     return figure
 
 
-def _band(axes: Axes, at: Floats, each: Floats, colour: str, label: str, dashes: str = "-", marker: str = "") -> None:
-    """Mean of rows (seeds, n) [m] in cm, and its 95 % interval."""
+def _band(
+    axes: Axes,
+    at: Floats,
+    each: Floats,
+    colour: str,
+    label: str,
+    dashes: str = "-",
+    marker: str = "",
+    floor: float = 0.0,
+) -> None:
+    """Mean of rows (seeds, n) [m] in cm, and its 95 % interval, cut at `floor` [cm]: no error is negative."""
     sums = [summarise(100 * column) for column in each.T]
     axes.plot(at, [s.mean for s in sums], dashes, color=colour, label=label, linewidth=1.4, marker=marker, markersize=4)
-    axes.fill_between(at, [s.low for s in sums], [s.high for s in sums], color=colour, alpha=0.15, linewidth=0)
+    axes.fill_between(
+        at, [max(s.low, floor) for s in sums], [s.high for s in sums], color=colour, alpha=0.15, linewidth=0
+    )
 
 
 @styled
@@ -204,7 +215,9 @@ def partners_figure(result: CoveringResult) -> Figure:
         axes.axhline(0, color=METHOD_COLOURS["EaIP"], linewidth=1.4, label=OWN)
         for partner, colour in PARTNER_COLOURS.items():
             each = np.array([run.partners[partner] - run.partners[OWN] for run in runs])
-            _band(axes, np.array(PARTNER_SHARES), each, colour, partner, "--" if partner == NOBODY else "-", "o")
+            _band(
+                axes, np.array(PARTNER_SHARES), each, colour, partner, "--" if partner == NOBODY else "-", "o", -np.inf
+            )
         axes.set_title(f"protocol {name}", loc="left")
         axes.set(xlabel="share of the partner's motion observed", xticks=PARTNER_SHARES)
         axes.grid(linewidth=0.3, color="#d0d7de")
@@ -225,8 +238,8 @@ def dials_figure(result: CoveringResult) -> Figure:
                 each = np.array([dial_errors(result, dial, personal, method)[:, k] for dial in result.study.dials]).T
                 _band(axes, np.array(result.study.dials), each, METHOD_COLOURS[method], label, dashes, "o")
         axes.set_title(f"{100 * share:.0f} % observed", loc="left")
-        axes.set(xlabel="how informative the partner is", ylim=(0, None), xticks=(0, 0.5, 1))
+        axes.set(xlabel="how informative the partner is", xticks=(0, 0.5, 1))
         axes.grid(linewidth=0.3, color="#d0d7de")
-    panels[0].set_ylabel("RMSE to the demonstration [cm]")
+    panels[0].set(ylabel="RMSE to the demonstration [cm]", ylim=(0, None))
     figure.legend(handles=panels[0].get_lines(), loc="outside lower center", ncols=4, frameon=False)
     return figure

@@ -33,8 +33,8 @@ from lfdcore.study.report import Picture, Section, write_figures, write_report
 SYNTHETIC = (
     "Everything here is simulated: people, gloves, demonstrator and objects come from a generator (its formulas stand "
     "in study/covering_task.py), e is measured, not detected in images, and the robot follows exactly. EaIP's "
-    "advantage is largely built in: in the generator the object's height and width, which e holds, nearly determine how the "
-    "robot must move, while the partner's motion tells little of the object by default (informative .35) and next to "
+    "advantage is largely built in: in the generator the object's height and width, which e holds, nearly determine "
+    "how the robot must move, while the partner's motion tells little of the object by default (informative .35) and next to "
     "nothing before 10 % of it. What the study shows is that the implementation uses e and partner as the thesis says, "
     "and, by the curve over how informative the partner is, where that advantage ends. Generator and model were chosen "
     "on other seeds than the reported ones."

@@ -69,8 +69,19 @@ def objects_table(result: CoveringResult, protocol: CoveringProtocol) -> Table:
         tuple(rows),
         f"n = {people * seeds} an object: {people} unseen people x {seeds} seeds. Success: covered, and neither mouth "
         "nor gripper nearer than 2 cm. Interval: Wilson's 95 %; trials of a seed share a model, so it is somewhat too "
-        "narrow. Nearest: median and least distance of the bag's mouth to the object. The arm's links are not in it.",
+        "narrow. Nearest: median and least distance of the bag's mouth to the object. The arm's links are not in it. "
+        + _uncovered_text(trials),
     )
+
+
+def _uncovered_text(trials: Sequence[CoveringTrial]) -> str:
+    """What went wrong without a collision: how often at which object, and an example."""
+    missed: dict[tuple[str, str], list[str]] = {}
+    for trial in trials:
+        if not (trial.whole.success or trial.whole.collided):
+            missed.setdefault((trial.method, trial.covered_object), []).append(trial.whole.reason)
+    said = [f"{method} at the {name}, {len(why)} times: {why[0]}" for (method, name), why in missed.items()]
+    return f"Not covered though nothing was touched: {'; '.join(said) if said else 'none'}."
 
 
 def _size(one: CoveredObject) -> str:
@@ -87,12 +98,17 @@ def forms_table(result: CoveringResult) -> Table:
                 rows.append((f"{protocol.name}, {form}, {kind}", *_form_cells(result, protocol, form, kind, trials)))
     return Table(
         "What is observed of the partner, and which motion is judged: all objects",
-        ("", *(f"{m} {what}" for m in METHODS for what in ("success", "collided")), *(f"{m} noise" for m in METHODS)),
+        (
+            "",
+            *(f"{m} {what}" for m in METHODS for what in ("success", "collided")),
+            "phase known",
+            *(f"{m} noise" for m in METHODS),
+        ),
         tuple(rows),
         "Positions: our default. Forcing: as printed (5.11, 5.12, and w_e after 5.16). Whole: the motion from the "
         "beginning, as it was inferred. Executed: from phase x* on, begun at rest where demonstrations begin on "
-        "average (F14). Noise: sigma^2 that cross-validation chose, over the fit's residual, median and range over seeds; "
-        "10000 is the largest on offer.",
+        "average (F14); where the phase is not known yet (5.5), from the beginning. Noise: what cross-validation "
+        "chose for sigma^2, over the fit's residual, median and range over seeds; 10000 is the largest on offer.",
     )
 
 
@@ -103,6 +119,7 @@ def _form_cells(
     for method in METHODS:
         verdicts = [getattr(t, kind) for t in _some(trials, method=method)]
         cells += [_share([v.success for v in verdicts]), _share([v.collided for v in verdicts])]
+    cells.append(_share([t.determined for t in _some(trials, method="EaIP")]))
     for method in METHODS:
         factors = [run.factors[form, method] for run in result.of(protocol)]
         cells.append(f"{np.median(factors):.0f}\n{min(factors):.0f} - {max(factors):.0f}")
@@ -134,7 +151,7 @@ def shares_table(result: CoveringResult) -> Table:
 
 
 def _interval(s: Summary, digits: int = 2) -> str:
-    return f"{s.mean:.{digits}f}\n[{s.low:.{digits}f}, {s.high:.{digits}f}]"
+    return f"{s.mean:.{digits}f}\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]"
 
 
 def reached_at(errors: Floats, level: float) -> float:
