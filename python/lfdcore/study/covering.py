@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,10 @@ class CoveringStudy:
     held_out: int = 5
     """people who were not seen in training, for each object"""
     dials: tuple[float, ...] = DIALS
+    protocols: tuple[CoveringProtocol, CoveringProtocol] = (GROUND_TRUTH, BOUNDING_BOX)
+    """that of Sec. 5.6.1, over which the dials are turned too, and that of 5.6.2"""
+    choice: NoiseChoice = field(default_factory=NoiseChoice)
+    """of the noise, for both methods; the dials have CURVE_CHOICE"""
 
     def __post_init__(self) -> None:
         if self.seeds < 1 or self.held_out < 1 or self.seed < 0:
@@ -182,8 +186,8 @@ def run_covering_study(
     study: CoveringStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> CoveringResult:
     """Learns and judges over processes; the same study gives the same result whatever their number."""
-    protocols = (BOUNDING_BOX, GROUND_TRUTH)
-    runs = [_Job(study, seed, protocol) for protocol in protocols for seed in study.all_seeds]
+    longest_first = reversed(study.protocols)
+    runs = [_Job(study, seed, protocol) for protocol in longest_first for seed in study.all_seeds]
     dials = [_Dial(study, seed, i, own) for i in study.dials for own in (True, False) for seed in study.all_seeds]
     jobs: list[_Job | _Dial] = [*runs, *dials]
     done = run_jobs(jobs, progress, processes)
@@ -258,7 +262,7 @@ class _Job:
         data = covering_data(self.protocol, self.seed, held_out=self.study.held_out)
         cases = _cases(data)
         keys = [(form, method) for form in FORMS for method in METHODS]
-        models = {key: learn_collaboration(data.training, method_config(*key)) for key in keys}
+        models = {key: learn_collaboration(data.training, method_config(*key), self.study.choice) for key in keys}
         start = np.mean([one.robot[0] for one in data.training], axis=0)
         trials = [self._trial(*key, models[key], case, start) for key in keys for case in cases]
         return CoveringRun(
@@ -293,7 +297,8 @@ class _Job:
         """Whose motion is seen makes how much of a difference."""
         order = np.random.default_rng([self.seed, 78]).permutation(len(cases))
         stranger = {int(k): cases[int(j)] for k, j in zip(order, np.roll(order, 1), strict=True)}
-        shuffled = learn_collaboration(shuffled_partners(data.training, self.seed), method_config("positions", "EaIP"))
+        mixed = shuffled_partners(data.training, self.seed)
+        shuffled = learn_collaboration(mixed, method_config("positions", "EaIP"), self.study.choice)
         own = _mean_errors(model, cases)
         alone = [rmse(_position(model.infer(None, c.one.environment)), c.truth(model.config.steps)) for c in cases]
         return {
@@ -343,7 +348,7 @@ class _Dial:
     def run(self) -> CoveringRun | DialRun:
         config = CoveringConfig(informative=self.informative)
         config = config if self.personal else replace(config, personal=0.0)
-        data = covering_data(GROUND_TRUTH, self.seed, config, self.study.held_out)
+        data = covering_data(self.study.protocols[0], self.seed, config, self.study.held_out)
         errors = {}
         for method in METHODS:
             model = learn_collaboration(data.training, method_config("positions", method), CURVE_CHOICE)

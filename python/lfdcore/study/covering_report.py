@@ -17,7 +17,6 @@ from lfdcore.study.covering_plots import (
     sweeps_figure,
 )
 from lfdcore.study.covering_tables import (
-    PROTOCOLS,
     aims,
     aims_table,
     dial_table,
@@ -27,24 +26,23 @@ from lfdcore.study.covering_tables import (
     share_errors,
     shares_table,
 )
-from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH
 from lfdcore.study.report import Picture, Section, write_figures, write_report
 
 SYNTHETIC = (
     "Everything here is simulated: people, gloves, demonstrator and objects come from a generator (its formulas stand "
     "in study/covering_task.py), e is measured, not detected in images, and the robot follows exactly. EaIP's "
     "advantage is largely built in: in the generator the object's height and width, which e holds, nearly determine "
-    "how the robot must move, while the partner's motion tells little of the object by default (informative .35) and next to "
-    "nothing before 10 % of it. What the study shows is that the implementation uses e and partner as the thesis says, "
-    "and, by the curve over how informative the partner is, where that advantage ends. Generator and model were chosen "
-    "on other seeds than the reported ones."
+    "how the robot must move, while the partner's motion tells little of the object by default (informative .35) and "
+    "next to nothing before 10 % of it. What the study shows is that the implementation uses e and partner as the "
+    "thesis says, and, by the curve over how informative the partner is, where that advantage ends. Generator and "
+    "model were chosen on other seeds than the reported ones."
 )
 
 
 def covering_headline(result: CoveringResult) -> str:
     """The result in a sentence."""
     said = []
-    for protocol in PROTOCOLS:
+    for protocol in result.study.protocols:
         for method in METHODS:
             of_protocol = [t for t in result.trials if (t.protocol, t.form) == (protocol.name, "positions")]
             good = [t.whole.success for t in of_protocol if t.method == method]
@@ -57,7 +55,7 @@ def covering_headline(result: CoveringResult) -> str:
 
 def covering_sections(result: CoveringResult) -> list[Section]:
     """All tables and pictures; pictures of motions are of the first seed."""
-    tall, wide = result.of(GROUND_TRUTH)[0], result.of(BOUNDING_BOX)[0]
+    tall, wide = (result.of(protocol)[0] for protocol in result.study.protocols)
     seed = f"Seed {result.study.seed}."
     return [
         Section("Covering furniture with a bag: does it help to look at the scene?", SYNTHETIC, [aims_table(result)]),
@@ -65,7 +63,7 @@ def covering_sections(result: CoveringResult) -> list[Section]:
             "Is the object covered?",
             "EaIP knows e: the object's height (protocol 5.6.1), or the height, width and place of its bounding box "
             "(5.6.2). IP is the same code without e, its noise chosen by the same cross-validation.",
-            [objects_table(result, GROUND_TRUTH), objects_table(result, BOUNDING_BOX), forms_table(result)],
+            [*(objects_table(result, protocol) for protocol in result.study.protocols), forms_table(result)],
             [
                 Picture(
                     paths_figure(tall),
@@ -77,11 +75,11 @@ def covering_sections(result: CoveringResult) -> list[Section]:
                     f"As Fig. 5.13 and 5.14: the same of protocol 5.6.2, after 1 s (about 10 %). {seed}",
                 ),
                 Picture(
-                    sweeps_figure(wide, BOUNDING_BOX.training),
+                    sweeps_figure(wide, wide.protocol.training),
                     f"As Fig. 5.16: the first unseen person at each known object, seen from the robot; * collision. "
                     f"Thin: the bag's mouth on its way. {seed}",
                 ),
-                Picture(sweeps_figure(wide, BOUNDING_BOX.novel), f"As Fig. 5.17: the same at novel objects. {seed}"),
+                Picture(sweeps_figure(wide, wide.protocol.novel), f"As Fig. 5.17: the same at novel objects. {seed}"),
             ],
         ),
         Section(

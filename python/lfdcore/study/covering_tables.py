@@ -20,13 +20,12 @@ from lfdcore.study.covering import (
     CoveringTrial,
     DialRun,
 )
-from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH, CoveredObject, CoveringProtocol
+from lfdcore.study.covering_task import CoveredObject, CoveringProtocol
 from lfdcore.study.statistics import Summary, paired_test, proportion, summarise
 from lfdcore.study.tables import Aim, Row, Table
 
 Floats = NDArray[np.float64]
 
-PROTOCOLS = (GROUND_TRUTH, BOUNDING_BOX)
 LARGER = 0.95
 """[m]: objects at least as high are the larger ones (stepladder, raised cabinet, shelf)"""
 SHOWN = (0.03, 0.1, 0.3, 0.5, 0.7, 1.0)
@@ -91,7 +90,7 @@ def _size(one: CoveredObject) -> str:
 def forms_table(result: CoveringResult) -> Table:
     """What is observed x whole or executed motion, over all objects."""
     rows: list[Row] = []
-    for protocol in PROTOCOLS:
+    for protocol in result.study.protocols:
         for form in FORMS:
             for kind in ("whole", "executed"):
                 trials = _some(result.trials, protocol=protocol.name, form=form)
@@ -127,8 +126,8 @@ def _form_cells(
 
 
 def share_errors(result: CoveringResult, form: str, method: str, what: str) -> Floats:
-    """(seeds, len(SHARES)) RMSE [m] of BOUNDING_BOX, mean of objects and people; what: to_final, to_demonstration."""
-    runs = result.of(BOUNDING_BOX)
+    """(seeds, len(SHARES)) RMSE [m] of the second protocol, mean of all trials; what: to_final, to_demonstration."""
+    runs = result.of(result.study.protocols[1])
     return np.array([getattr(run.errors[form, method], what).mean(axis=(0, 1)) for run in runs])
 
 
@@ -146,7 +145,7 @@ def shares_table(result: CoveringResult) -> Table:
         ("to", *(f"{100 * share:.0f} %" for share in SHOWN)),
         tuple(rows),
         "At the same shares of both motions; mean of all objects and people, and Student's 95 % interval over seeds. "
-        "3 %: 10 samples. " + _reached_text(result),
+        "3 %: at least 10 samples. " + _reached_text(result),
     )
 
 
@@ -186,7 +185,7 @@ def _reached_text(result: CoveringResult) -> str:
 def partner_table(result: CoveringResult) -> Table:
     """EaIP's RMSE beyond that with its own partner, paired over seeds."""
     rows: list[Row] = []
-    for protocol in PROTOCOLS:
+    for protocol in result.study.protocols:
         runs = result.of(protocol)
         own = 100 * np.array([run.partners[OWN] for run in runs])
         rows.append((f"{protocol.name}, {OWN}: RMSE", *(_interval(summarise(column)) for column in own.T)))
@@ -263,7 +262,7 @@ def aims(result: CoveringResult) -> list[Aim]:
 
 def _success_aims(result: CoveringResult) -> list[Aim]:
     found = []
-    for protocol in PROTOCOLS:
+    for protocol in result.study.protocols:
         trials = _some(result.trials, protocol=protocol.name, form="positions")
         for novel, name in ((False, "known"), (True, "novel")):
             good = float(np.mean([t.whole.success for t in _some(trials, method="EaIP", novel=novel)]))
@@ -290,7 +289,7 @@ def _share_aims(result: CoveringResult) -> list[Aim]:
 def _partner_aims(result: CoveringResult) -> list[Aim]:
     """Worse at the 5 % level with another's partner."""
     found = []
-    runs = result.of(BOUNDING_BOX)
+    runs = result.of(result.study.protocols[1])
     for k, share in enumerate(PARTNER_SHARES):
         own, other = (100 * np.array([run.partners[name][k] for run in runs]) for name in (OWN, STRANGER))
         test = paired_test(own, other)
@@ -306,17 +305,8 @@ def aims_table(result: CoveringResult) -> Table:
     return Table(f"Figures to reach (seeds {seeds[0]}..{seeds[-1]})", ("", "wanted", "found"), rows)
 
 
-_TABLES: tuple[Callable[[CoveringResult], Table], ...] = (
-    aims_table,
-    lambda result: objects_table(result, GROUND_TRUTH),
-    lambda result: objects_table(result, BOUNDING_BOX),
-    forms_table,
-    shares_table,
-    partner_table,
-    dial_table,
-)
-
-
 def covering_tables(result: CoveringResult) -> list[Table]:
     """All tables, figures to reach first."""
-    return [make(result) for make in _TABLES]
+    objects = [objects_table(result, protocol) for protocol in result.study.protocols]
+    others: tuple[Callable[[CoveringResult], Table], ...] = (forms_table, shares_table, partner_table, dial_table)
+    return [aims_table(result), *objects, *(make(result) for make in others)]
