@@ -92,7 +92,7 @@ def _yz(axes: Axes, title: str) -> None:
 @styled
 def share_paths_figure(run: CoveringRun) -> Figure:
     """Fig. 5.15a: the motion inferred at EXAMPLE from more and more of the partner's, a panel a method."""
-    figure = Figure(figsize=(0.9 * PAGE, 0.235 * PAGE), layout="constrained")
+    figure = Figure(figsize=(0.9 * PAGE, 0.285 * PAGE), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     shades = matplotlib.colormaps["viridis_r"]
     for axes, method in zip(panels, METHODS, strict=True):
