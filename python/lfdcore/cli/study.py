@@ -13,6 +13,7 @@ import typer
 from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
 from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
+from lfdcore.cli.study_covering import study_covering
 from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_learning_curve import study_learning_curve
 from lfdcore.cli.study_passing import study_passing
@@ -160,6 +161,7 @@ def study_driving(
 
 
 app.command("learning-curve")(study_learning_curve)
+app.command("covering")(study_covering)
 app.command("goals")(study_goals)
 app.command("adaptation")(study_adaptation)
 app.command("backwards")(study_backwards)

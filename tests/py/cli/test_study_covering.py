@@ -1,0 +1,46 @@
+"""lfdcore study covering, as a user calls it."""
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from calling import run
+
+from lfdcore.study import covering
+from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH
+from lfdcore.training.collaborations import NoiseChoice
+
+WORDS = ("study", "covering", "--seeds", "1", "--people", "1", "--seed", "101", "--processes", "1")
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer demonstrations and objects, one setting of the curve."""
+    few = {"demonstrations": 3, "novel": GROUND_TRUTH.novel}
+    protocols = (replace(GROUND_TRUTH, **few), replace(BOUNDING_BOX, **few))
+    choice = NoiseChoice(factors=(100.0, 1e4), folds=2, shares=(0.4,))
+    less = partial(covering.CoveringStudy, dials=(0.35,), protocols=protocols, choice=choice)
+    monkeypatch.setattr(covering, "CoveringStudy", less)
+
+
+def test_the_command_writes_a_report_and_names_what_repeats_it(quick, monkeypatch, capsys, tmp_path: Path) -> None:
+    code, out, _ = run(monkeypatch, capsys, *WORDS, "-o", tmp_path / "new")
+    assert code == 0
+    assert "Figures to reach" in out
+    assert "EaIP 4 of 4 (protocol 5.6.1)" in out
+    report = (tmp_path / "new" / "report.html").read_text()
+    assert "lfdcore study covering -o out --seeds 1 --people 1 --seed 101" in report
+    code, out, _ = run(monkeypatch, capsys, *WORDS, "-o", tmp_path / "new", "--json")
+    assert code == 0
+    said = json.loads(out)
+    assert said["report"].endswith("report.html")
+    assert any(row["figure"].startswith("5.6.2: EaIP covers") for row in said["figures"])
+    assert (tmp_path / "new" / "report.html").read_text() == report
+
+
+def test_a_study_without_seeds_is_refused(monkeypatch, capsys, tmp_path: Path) -> None:
+    code, _, err = run(monkeypatch, capsys, "study", "covering", "-o", tmp_path, "--seeds", "0")
+    assert code == 2
+    assert "--seeds" in err
