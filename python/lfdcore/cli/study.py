@@ -14,7 +14,9 @@ from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progr
 from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_goals import study_goals
+from lfdcore.cli.study_handovers import study_handovers
 from lfdcore.cli.study_learning_curve import study_learning_curve
+from lfdcore.cli.study_sequences import study_sequences
 
 if TYPE_CHECKING:
     from lfdcore.study.driving import DrivingResult, StudyModels
@@ -162,3 +164,5 @@ app.command("learning-curve")(study_learning_curve)
 app.command("goals")(study_goals)
 app.command("adaptation")(study_adaptation)
 app.command("backwards")(study_backwards)
+app.command("handovers")(study_handovers)
+app.command("sequences")(study_sequences)

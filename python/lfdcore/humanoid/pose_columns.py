@@ -66,6 +66,39 @@ class PoseColumns:
             done = at + 3
         return np.concatenate([*parts, given[:, done:]], axis=1)
 
+    def difference(self, recorded: ArrayLike, other: ArrayLike) -> Array:
+        """(T, r), (T, r) -> (T, r') how `recorded` differs from `other`, row by row: of quaternions the imaginary parts
+        of the shorter rotation between them, wherever they lie from the reference. ValueError for other shapes and for
+        quaternions of length zero."""
+        a, b = np.asarray(recorded, np.float64), np.asarray(other, np.float64)
+        if a.ndim != 2 or a.shape != b.shape or a.shape[1] != len(self.names):
+            raise ValueError(f"motions have shapes {a.shape} and {b.shape}, must both be (T, {len(self.names)})")
+        parts, done = [], 0
+        for k in self.quaternions:
+            parts += [a[:, done:k] - b[:, done:k], _turn(b[:, k : k + 4], a[:, k : k + 4])]
+            done = k + 4
+        return np.concatenate([*parts, a[:, done:] - b[:, done:]], axis=1)
+
+    def mean(self, recorded: ArrayLike) -> Array:
+        """(T, r) -> (1, r) over time. ValueError as mean_orientation."""
+        given = np.asarray(recorded, np.float64)
+        middle: Array = given.mean(axis=0)
+        for k in self.quaternions:
+            middle[k : k + 4] = mean_orientation(given[:, k : k + 4])
+        return middle[None]
+
+
+def _turn(begin: Array, end: Array) -> Array:
+    """(T, 4), (T, 4) x y z w -> (T, 3) imaginary parts of conj(begin) end with w >= 0."""
+    lengths = np.linalg.norm(begin, axis=1) * np.linalg.norm(end, axis=1)
+    if not (lengths > 0).all():
+        raise ValueError(f"quaternions[{int(np.argmin(lengths > 0))}] has length zero, must be of a rotation")
+    u, w = -begin[:, :3], begin[:, 3:]
+    v, z = end[:, :3], end[:, 3:]
+    imaginary = w * v + z * u + np.cross(u, v)
+    sign = np.where((begin * end).sum(axis=1) < 0, -1.0, 1.0)
+    return np.asarray(imaginary * (sign / lengths)[:, None])
+
 
 def _quaternions(names: tuple[str, ...]) -> tuple[int, ...]:
     found = []

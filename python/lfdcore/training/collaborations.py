@@ -59,8 +59,8 @@ def left_out_errors(
     choice: NoiseChoice,
     progress: Progress | None = None,
 ) -> NDArray[np.float64]:
-    """(candidates,) RMS error of the robot's learned columns, each over its standard deviation in the demonstrations,
-    over folds and shares. A fold leaves every folds-th demonstration out."""
+    """(candidates,) RMS error of the robot's columns (PoseColumns.difference), each over its standard deviation in the
+    demonstration left out, over folds and shares. A fold leaves every folds-th demonstration out."""
     tell = progress or (lambda done, total: None)
     folds = min(choice.folds, len(demonstrations) // 2)
     squares = np.zeros((len(candidates), folds))
@@ -78,6 +78,7 @@ def left_out_errors(
 
 def _square_error(model: CollaborationModel, one: InteractionRecording, share: float) -> float:
     said = model.infer(one.partial(share=share), one.environment if model.environment_names else None)
-    truth = model.robot.learned(one.resample(said.steps, model.config.longest_gap).robot)
-    spread = np.maximum(truth.std(axis=0), 1e-9)
-    return float(np.mean(((model.robot.learned(said.robot_motion()) - truth) / spread) ** 2))
+    truth = one.resample(said.steps, model.config.longest_gap).robot
+    middle = np.broadcast_to(model.robot.mean(truth), truth.shape)
+    spread = np.maximum(np.sqrt(np.mean(model.robot.difference(truth, middle) ** 2, axis=0)), 1e-9)
+    return float(np.mean((model.robot.difference(said.robot_motion(), truth) / spread) ** 2))
