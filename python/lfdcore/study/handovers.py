@@ -22,6 +22,7 @@ from lfdcore.datasets.handovers import KTH_FAULTS, read_dynamic_handovers, read_
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.errors import DataError
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
+from lfdcore.humanoid.partner_tempo import PartnerTempo
 from lfdcore.study.runner import run_jobs
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
@@ -34,6 +35,7 @@ METHODS = (
     "IP, positions",
     "IP, forcing (as printed)",
     "IP, phase by the clock",
+    "IP, likeliest tempo",
     "mean trajectory",
     "nearest demonstration",
     "oracle: IP told the phase",
@@ -44,6 +46,8 @@ MEASURES = ("over time", "at the end", "at the handover")
 closest"""
 NOISE = NoiseChoice(factors=(1.0, 10.0, 100.0, 1e3, 1e4, 1e6), folds=2, shares=(0.2, 0.6))
 """how sigma^2 is chosen in each split, from its training demonstrations alone"""
+LEAST_SPREAD = 0.1
+"""of the logarithm of durations: those of KTH's recordings are all the same, as they were cut"""
 STEPS = 100
 """of a motion"""
 TESTED = 0.2
@@ -126,7 +130,15 @@ def _set_of(path: Path) -> str:
     try:
         with np.load(path, allow_pickle=False) as archive:
             names = set(archive.files)
-    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError, tokenize.TokenError, SyntaxError) as broken:
+    except (
+        ValueError,
+        TypeError,
+        EOFError,
+        zipfile.BadZipFile,
+        AttributeError,
+        tokenize.TokenError,
+        SyntaxError,
+    ) as broken:
         raise DataError(f"{path}: is no .npz file of handovers: {broken}") from broken
     if {"giver", "receiver", "lengths"} <= names:
         return "dynamic"
@@ -245,8 +257,8 @@ class NearestDemonstration:
 
 
 def infer_by_clock(model: CollaborationModel, partial: InteractionRecording, duration: float) -> CollaborationInference:
-    """As model.infer, but the phase is the time since the start over `duration` [s], whatever the giver does: by the
-    clock with the mean duration of the demonstrations; an oracle with the true one, which nobody knows."""
+    """As model.infer, but the phase is the time since the start over `duration` [s]: by the clock with the mean of the
+    demonstrations' durations, by PartnerTempo with the likeliest; an oracle with the true one, which nobody knows."""
     shares = (partial.stamp - partial.stamp[0]) / duration
     kept = shares <= 1 + 1e-9
     phases = np.exp(-float(model.primitive.config.dmp.phase_decay) * shares[kept].clip(0, 1))
@@ -289,6 +301,8 @@ class _Methods:
         self.factors = (_factor(self.learned[0]), _factor(self.learned[1]))
         placed = replace(plain, environment=True, noise=self.learned[0].primitive.config.noise)
         self.placed = CollaborationModel.fit([with_place(one) for one in demonstrations], placed)
+        spread = float(np.std(np.log([one.duration for one in demonstrations])))
+        self.tempo = PartnerTempo(self.learned[0], max(spread, LEAST_SPREAD))
         self.nearest = NearestDemonstration(demonstrations)
         self.taken = [Truth.of(one).hands for one in demonstrations]
         self.hands = hand_columns(demonstrations[0].robot_names)
@@ -305,6 +319,7 @@ class _Methods:
                 self._taken(positions.infer(seen)),
                 self._taken(forcing.infer(seen)),
                 self._taken(infer_by_clock(positions, seen, positions.duration)),
+                self._taken(infer_by_clock(positions, seen, self.tempo.duration(seen))),
                 mean,
                 self.taken[self.nearest.index(seen)],
                 self._taken(infer_by_clock(positions, seen, one.duration)),

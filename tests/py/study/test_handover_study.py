@@ -1,4 +1,4 @@
-"""The study of real handovers: honest splits, methods against slow ones, sets told by their contents, the same bytes."""
+"""The study of real handovers: honest splits, methods against slow ones, sets told by contents, the same bytes."""
 
 import json
 from pathlib import Path
