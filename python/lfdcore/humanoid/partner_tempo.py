@@ -19,6 +19,8 @@ _FACTORS = np.exp(np.linspace(np.log(0.5), np.log(2.0), 31))
 """of the demonstrations' mean duration"""
 _SAMPLES = 24
 """of what was seen, evenly spread: more say little that is new"""
+_LEAST_MODE = 1e-4
+"""of sigma^2: modes of the demonstrations whose variance is nowhere larger are left out"""
 
 
 class PartnerTempo:
@@ -33,7 +35,8 @@ class PartnerTempo:
             raise ValueError(f"the model observes {model.config.observe}, must observe positions")
         self._model, self._spread = model, spread
         self._noise = float(model.primitive.config.noise or 0.0)
-        self._motions = _partner_motions(model)
+        motions = _partner_motions(model)
+        self._mean, self._modes = motions.mean(axis=0), _modes(motions, _LEAST_MODE * self._noise)
 
     def duration(self, partial: InteractionRecording) -> float:
         """[s] of the whole motion, likeliest after these samples in the model's columns (NaN = not seen): between half
@@ -53,14 +56,12 @@ class PartnerTempo:
         return float(durations[int(np.argmax(prior + said))])
 
     def _log_evidence(self, shares: Array, seen: Array) -> float:
-        """ln N(seen; mean, L L' + sigma^2 I) at shares (K,) of the motion, without constants; S x S as ERRATA 40."""
-        count = len(self._motions)
-        there = _between(self._motions, shares).reshape(count, -1)
-        mean = there.mean(axis=0)
-        apart = seen.ravel() - mean
+        """ln N(seen; mean, L L' + sigma^2 I) at shares (K,) of the motion, without constants (ERRATA 40)."""
+        apart = (seen - _between(self._mean[None], shares)[0]).ravel()
+        modes = _between(self._modes, shares).reshape(len(self._modes), apart.size).T
         known = np.isfinite(apart)
-        apart, factor = apart[known], ((there - mean) / np.sqrt(count)).T[known]
-        root = np.linalg.cholesky(np.eye(count) + factor.T @ factor / self._noise)
+        apart, factor = apart[known], modes[known]
+        root = np.linalg.cholesky(np.eye(factor.shape[1]) + factor.T @ factor / self._noise)
         explained = np.linalg.solve(root, factor.T @ apart / self._noise)
         return float(-0.5 * (apart @ apart / self._noise - explained @ explained) - np.log(np.diag(root)).sum())
 
@@ -74,6 +75,15 @@ def _partner_motions(model: CollaborationModel) -> Array:
         rows = theta.reshape(len(start), -1)[:n]
         made.append(Dmp(start[:n], rows[:, -1], rows[:, :-1], config).rollout(model.config.steps).positions)
     return np.array(made)
+
+
+def _modes(motions: Array, least: float) -> Array:
+    """(S, steps, n) -> (modes, steps, n), the sum of whose squares is the covariance over time and columns."""
+    apart = (motions - motions.mean(axis=0)).reshape(len(motions), -1) / np.sqrt(len(motions))
+    _, sizes, directions = np.linalg.svd(apart, full_matrices=False)
+    modes = sizes[:, None] * directions
+    kept = (modes**2).max(axis=1) > least
+    return np.asarray(modes[kept].reshape(-1, *motions.shape[1:]))
 
 
 def _between(motions: Array, shares: Array) -> Array:

@@ -36,8 +36,8 @@ ABOUT = (
     "interaction primitive, which tells the phase by DTW against the giver's mean motion (5.5); by the clock, the "
     "phase is the time over the demonstrations' mean duration; by the likeliest tempo, over the duration under "
     "which the samples are likeliest (humanoid/partner_tempo), which is ours. KTH's recordings were cut to one "
-    "duration, so that there the clock tells as much as the oracle does. Oracles are told what nobody can know by then: the "
-    "phase, or where the handover takes place (given as e, with IP's sigma^2)."
+    "duration, so that there the clock tells as much as the oracle. Oracles are told what nobody can know by then: "
+    "the phase, or where the handover takes place (given as e, with IP's sigma^2)."
 )
 
 
