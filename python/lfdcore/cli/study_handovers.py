@@ -21,7 +21,13 @@ def study_handovers(
 ) -> None:
     """Real handovers: error of the foretold taker by share observed, for IP and baselines, with intervals."""
     from lfdcore.study.handovers import HandoverStudy, handover_tasks, run_handover_study
-    from lfdcore.study.handovers_report import handover_headline, handover_rows, task_tables, write_handover_report
+    from lfdcore.study.handovers_report import (
+        handover_headline,
+        handover_rows,
+        seen_tables,
+        task_tables,
+        write_handover_report,
+    )
 
     require_each_once(data)
     study = HandoverStudy(tasks=handover_tasks(data), splits=splits, seed=seed)
@@ -35,7 +41,6 @@ def study_handovers(
         print_json({"report": str(report), "rows": handover_rows(results, study)})
         return
     typer.echo(handover_headline(results, study) + "\n")
-    for result in results:
-        for table in task_tables(result, seed):
-            typer.echo(table.as_text())
+    for table in [*(table for one in results for table in task_tables(one, seed)), *seen_tables(results, seed)]:
+        typer.echo(table.as_text())
     typer.echo(f"report: {report}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,26 @@ def difference_table(result: TaskErrors, seed: int) -> Table:
         _header(),
         tuple(rows),
         "Below 0: IP is better; an interval that holds 0 decides nothing.",
+    )
+
+
+def seen_tables(results: Sequence[TaskErrors], seed: int) -> list[Table]:
+    """What more that is seen is worth: tasks on the same recordings and splits, paired (Sec. 6.2.2)."""
+    pairs = [(a, b) for a, b in pairwise(results) if np.array_equal(a.tested, b.tested)]
+    return [_seen_table(few, more, seed) for few, more in pairs]
+
+
+def _seen_table(few: TaskErrors, more: TaskErrors, seed: int) -> Table:
+    rows = []
+    for measure, words in enumerate(MEASURES):
+        for way in (IP, TEMPO):
+            apart = more.errors[:, way, :, measure] - few.errors[:, way, :, measure]
+            rows.append((f"{words}, {METHODS[way]}", *(one.as_text() for one in intervals(apart, few.tested, seed))))
+    return Table(
+        f"{more.task.name} less {few.task.name}: error, paired [mm] ({_caption(few)}, seed {seed})",
+        _header(),
+        tuple(rows),
+        "Below 0: seeing more is better.",
     )
 
 
@@ -221,6 +242,9 @@ def handover_sections(results: Sequence[TaskErrors], study: HandoverStudy) -> li
                 ],
             )
         )
+    if tables := seen_tables(results, study.seed):
+        text = "The same recordings and splits, but more of the giver (and, with poses, of the taker) in the model."
+        sections.append(Section("Is seeing more better?", text, tables))
     return sections
 
 

@@ -27,7 +27,13 @@ from lfdcore.study.handovers import (
     run_handover_study,
     with_place,
 )
-from lfdcore.study.handovers_report import handover_headline, handover_rows, task_tables, write_handover_report
+from lfdcore.study.handovers_report import (
+    handover_headline,
+    handover_rows,
+    seen_tables,
+    task_tables,
+    write_handover_report,
+)
 
 COUNT, SAMPLES = 12, 81
 QUIET = {"tell": lambda stage, done, total: None, "processes": 1}
@@ -182,6 +188,15 @@ def test_tables_name_n_seed_and_oracles(study: HandoverStudy, results: tuple[Tas
         assert len(table.header) == 1 + len(SHARES)
     assert sum(row[0].startswith("oracle") for row in task_tables(results[0], 3)[0].rows) == 2
     assert f"(n = {COUNT - 1})" in handover_headline(results, study)
+
+
+def test_what_more_that_is_seen_is_worth_is_paired(dynamic: Path) -> None:
+    hands, skeleton = handover_tasks([dynamic])
+    results = run_handover_study(HandoverStudy(tasks=(hands, skeleton), splits=1, seed=3), **QUIET)
+    (table,) = seen_tables(results, 3)
+    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP, positions"), :, 0]
+    assert [int(cell.split("\n")[0]) for cell in table.rows[0][1:]] == pytest.approx(apart, abs=0.51)
+    assert seen_tables(results[:1], 3) == []
 
 
 def test_a_study_without_splits_is_refused(task: HandoverTask) -> None:
