@@ -15,8 +15,10 @@ from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_covering import study_covering
 from lfdcore.cli.study_goals import study_goals
+from lfdcore.cli.study_handovers import study_handovers
 from lfdcore.cli.study_learning_curve import study_learning_curve
 from lfdcore.cli.study_passing import study_passing
+from lfdcore.cli.study_sequences import study_sequences
 
 if TYPE_CHECKING:
     from lfdcore.study.driving import DrivingResult, StudyModels
@@ -166,3 +168,5 @@ app.command("goals")(study_goals)
 app.command("adaptation")(study_adaptation)
 app.command("backwards")(study_backwards)
 app.command("passing")(study_passing)
+app.command("handovers")(study_handovers)
+app.command("sequences")(study_sequences)

@@ -124,7 +124,8 @@ class InteractionRecording:
         column, place and length for a longer gap, for steps < 2, for fewer than 2 samples.
         """
         if steps < 2 or len(self) < 2:
-            raise ValueError(f"resampling needs at least 2 samples and 2 steps, got {len(self)} and {steps}")
+            who = self.name or "recording"
+            raise ValueError(f"{who}: resampling needs at least 2 samples and 2 steps, got {len(self)} and {steps}")
         if not longest_gap >= 0:
             raise ValueError(f"longest_gap must be >= 0 s, got {longest_gap} s")
         at = np.linspace(self.stamp[0], self.stamp[-1], steps)

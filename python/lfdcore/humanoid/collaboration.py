@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +19,7 @@ from lfdcore.datasets.interaction import LONGEST_GAP, InteractionRecording, envi
 from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.humanoid.partner_phase import condition_at, follow, likeliest_share
-from lfdcore.humanoid.pose_columns import PoseColumns
+from lfdcore.humanoid.pose_columns import PoseColumns, continuous_columns
 from lfdcore.primitives import (
     DmpConfig,
     InteractionPosterior,
@@ -30,6 +30,10 @@ from lfdcore.primitives import (
 )
 
 KIND, VERSION = "lfdcore collaboration", 1
+_MOST_STEPS = 1e6 - 2
+"""of a motion (Dmp.rollout)"""
+_LARGEST = 1e15
+"""of a learned parameter: beyond, a file is not of ours"""
 Array = NDArray[np.float64]
 
 
@@ -58,8 +62,8 @@ class CollaborationConfig:
     def __post_init__(self) -> None:
         if self.observe not in ("positions", "forcing"):
             raise ValueError(f"observe is {self.observe!r}, must be 'positions' or 'forcing'")
-        if not 10 <= self.steps <= 100_000:
-            raise ValueError(f"steps is {self.steps}, must be in [10, 100000]")
+        if not isinstance(self.steps, int) or not 10 <= self.steps <= 100_000:
+            raise ValueError(f"steps is {self.steps!r}, must be a whole number in [10, 100000]")
         self.primitive()
 
     @staticmethod
@@ -126,6 +130,8 @@ class CollaborationInference:
             )
         robot = self.posterior.robot
         begin = float(np.exp(-robot.config.phase_decay * self.share))
+        if left / period > _MOST_STEPS:
+            raise ValueError(f"period is {period} s, must be >= {left / _MOST_STEPS:.3g} s for the {left:.3g} s left")
         start = None if position is None else self.columns.learned(np.atleast_2d(np.asarray(position, np.float64)))[0]
         steps = int(np.ceil(left / period)) + 1
         run = robot.rollout(steps, rate=1 / self.duration, phase=begin, position=start, duration=left)
@@ -154,10 +160,10 @@ class CollaborationModel:
     ) -> CollaborationModel:
         """From two or more demonstrations with the same columns and the same names in their environments. ValueError
         naming the demonstration for others, for one without a robot, for a column of the partner that was never seen,
-        for a gap beyond config.longest_gap, and as InteractionPrimitive.fit."""
+        for a gap beyond config.longest_gap; for a partner who never moves, and as InteractionPrimitive.fit."""
         config = config or CollaborationConfig()
         partner_names, robot_names = _common_columns(demonstrations)
-        even = [_evenly(one, config) for one in demonstrations]
+        even = [evenly(one, config) for one in demonstrations]
         robot = PoseColumns.of(robot_names, [one.robot for one in even])
         names, values = environments(demonstrations) if config.environment else ((), np.zeros((len(even), 0)))
         primitive = InteractionPrimitive.fit(
@@ -170,6 +176,7 @@ class CollaborationModel:
         period = float(np.median([one.duration / (len(one) - 1) for one in demonstrations]))
         mean = np.mean([one.partner for one in even], axis=0)
         reference = _resampled(mean, max(2, round(duration / period) + 1))
+        PhaseEstimator(reference, duration)  # refuses a partner who never moves now, not when one is observed
         metadata = {"demonstrations": [one.name for one in demonstrations]}
         return CollaborationModel(primitive, partner_names, robot, names, reference, duration, config, metadata)
 
@@ -261,14 +268,18 @@ class CollaborationModel:
         try:
             return cls._of(header, tensors)
         except (KeyError, TypeError, ValueError, AttributeError) as broken:
-            raise ModelError(f"{path} does not hold a model of a collaboration: {broken}") from broken
+            said = str(broken).partition("\n")[0]  # pybind11's go on with signatures
+            raise ModelError(f"{path} does not hold a model of a collaboration: {said}") from broken
 
     @classmethod
     def _of(cls, header: dict[str, Any], tensors: Tensors) -> CollaborationModel:
         config = CollaborationConfig(**header["config"])
         used = dataclasses.replace(config, noise=float(header["noise"]))
-        names = tuple(header["partner_names"])
-        robot = PoseColumns(tuple(header["robot_names"]), tuple(tuple(q) for q in header["references"]))
+        names, environment = _names(header, "partner_names"), _names(header, "environment_names")
+        robot = PoseColumns(_names(header, "robot_names"), tuple(tuple(q) for q in header["references"]))
+        for name, tensor in tensors.items():
+            if tensor.ndim != 2 or not (np.abs(tensor) <= _LARGEST).all():
+                raise ValueError(f"{name} has shape {tensor.shape}, must be a matrix, finite and within {_LARGEST:g}")
         primitive = InteractionPrimitive(
             tensors["parameters"], tensors["starts"], tensors.get("environment"), len(names), used.primitive()
         )
@@ -276,7 +287,6 @@ class CollaborationModel:
         found = primitive.starts.shape[1]
         if found != len(names) + learned:
             raise ValueError(f"{found} degrees of freedom, must be {len(names)} + {learned}")
-        environment = tuple(header["environment_names"])
         if len(environment) != (0 if primitive.environment is None else primitive.environment.shape[1]):
             raise ValueError(f"{len(environment)} names for an environment of other size")
         reference, duration = np.ascontiguousarray(tensors["reference"], np.float64), float(header["duration"])
@@ -290,6 +300,7 @@ class CollaborationFollower:
     """Infers anew as the observation of the partner grows: observe at the tracker's rate, infer when wanted."""
 
     def __init__(self, model: CollaborationModel, environment: Mapping[str, float] | None = None) -> None:
+        model._environment(environment)  # refused before anything is observed
         self.model, self.environment = model, environment
         self._stamps: list[float] = []
         self._samples: list[Array] = []
@@ -297,9 +308,11 @@ class CollaborationFollower:
     def observe(self, stamp: float, partner: ArrayLike) -> None:
         """The partner's sample (n,) at `stamp` [s], NaN where not seen. ValueError for another n, what is infinite and
         a stamp that is not later than the last."""
-        sample = np.asarray(partner, np.float64)
+        sample = np.array(partner, np.float64)  # a copy: trackers write into the same array again
         names = self.model.partner_names
-        InteractionRecording(np.array([stamp]), np.atleast_2d(sample), np.zeros((1, 0)), names)
+        if sample.shape != (len(names),):
+            raise ValueError(f"partner has shape {sample.shape}, must be ({len(names)},): {', '.join(names)}")
+        InteractionRecording(np.array([stamp]), sample[None], np.zeros((1, 0)), names)
         if self._stamps and not stamp > self._stamps[-1]:
             raise ValueError(f"stamp is {stamp} s, must be later than the last, {self._stamps[-1]} s")
         self._stamps.append(float(stamp))
@@ -312,6 +325,15 @@ class CollaborationFollower:
         seen = np.array(self._samples)
         partial = InteractionRecording(np.array(self._stamps), seen, np.zeros((len(seen), 0)), self.model.partner_names)
         return self.model.infer(partial, self.environment)
+
+
+def _names(header: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    names = header[key]
+    if not isinstance(names, list) or not all(isinstance(name, str) and name.strip() for name in names):
+        raise ValueError(f"{key} must be a list of texts that are not empty")
+    if len(set(names)) < len(names):
+        raise ValueError(f"{key} names {max(names, key=names.count)} more than once")
+    return tuple(names)
 
 
 def _common_columns(demonstrations: Sequence[InteractionRecording]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -332,8 +354,10 @@ def _common_columns(demonstrations: Sequence[InteractionRecording]) -> tuple[tup
     return first.partner_names, first.robot_names
 
 
-def _evenly(one: InteractionRecording, config: CollaborationConfig) -> InteractionRecording:
-    even = one.resample(config.steps, config.longest_gap)
+def evenly(one: InteractionRecording, config: CollaborationConfig) -> InteractionRecording:
+    """config.steps samples; between a quaternion and its negative, the same rotation, it goes no long way (ERRATA 44).
+    ValueError naming the demonstration for a column of the partner that was never seen and as `resample`."""
+    even = replace(one, robot=continuous_columns(one.robot_names, one.robot)).resample(config.steps, config.longest_gap)
     never = [name for name, column in zip(one.partner_names, even.partner.T, strict=True) if np.isnan(column).any()]
     if never:
         raise ValueError(f"{one.name or 'a demonstration'}: {never[0]} was never seen")

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.datasets.interaction import InteractionRecording
-from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
+from lfdcore.datasets.interaction import InteractionRecording, environments
+from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel, evenly
 
 Progress = Callable[[int, int], None]
 
@@ -39,7 +39,8 @@ def learn_collaboration(
     progress: Progress | None = None,
 ) -> CollaborationModel:
     """With the noise that foretells the robot's motion of demonstrations left out best; what `config` sets stays, and
-    so does the fit's residual where fewer than 4 demonstrations are given. ValueError as CollaborationModel.fit."""
+    so does the fit's residual where fewer than 4 demonstrations are given, or where without each fold the environment
+    would no longer vary. ValueError as CollaborationModel.fit."""
     config, choice = config or CollaborationConfig(), choice or NoiseChoice()
     model = CollaborationModel.fit(demonstrations, config)
     if config.noise is not None or len(demonstrations) < 4:
@@ -47,6 +48,8 @@ def learn_collaboration(
     residual = float(model.primitive.config.noise or 0.0)
     candidates = [replace(config, noise=factor * residual) for factor in choice.factors]
     errors = left_out_errors(demonstrations, candidates, choice, progress)
+    if np.isnan(errors).any():
+        return model
     best = candidates[int(np.argmin(errors))]
     chosen = CollaborationModel.fit(demonstrations, best)
     rows = [[candidate.noise, error] for candidate, error in zip(candidates, errors.tolist(), strict=True)]
@@ -59,25 +62,37 @@ def left_out_errors(
     choice: NoiseChoice,
     progress: Progress | None = None,
 ) -> NDArray[np.float64]:
-    """(candidates,) RMS error of the robot's learned columns, each over its standard deviation in the demonstrations,
-    over folds and shares. A fold leaves every folds-th demonstration out."""
+    """(candidates,) RMS error of the robot's columns (PoseColumns.difference), each over its standard deviation in the
+    demonstration left out, over folds and shares. A fold leaves every folds-th demonstration out; one without
+    which the environment no longer varies is passed over, NaN if all are."""
     tell = progress or (lambda done, total: None)
     folds = min(choice.folds, len(demonstrations) // 2)
-    squares = np.zeros((len(candidates), folds))
+    squares = np.full((len(candidates), folds), np.nan)
     for fold in range(folds):
         kept = [one for k, one in enumerate(demonstrations) if k % folds != fold]
         left_out = demonstrations[fold::folds]
         for k, config in enumerate(candidates):
+            if config.environment and not _varies(kept):
+                continue
             model = CollaborationModel.fit(kept, config)
             squares[k, fold] = np.mean(
                 [_square_error(model, one, share) for one in left_out for share in choice.shares]
             )
             tell(fold * len(candidates) + k + 1, folds * len(candidates))
-    return np.asarray(np.sqrt(squares.mean(axis=1)))
+    seen = np.isfinite(squares)
+    folds_seen = np.where(seen.any(axis=1), seen.sum(axis=1), np.nan)
+    return np.asarray(np.sqrt(np.where(seen, squares, 0).sum(axis=1) / folds_seen))
+
+
+def _varies(demonstrations: Sequence[InteractionRecording]) -> bool:
+    """In every value of the environment."""
+    _, values = environments(demonstrations)
+    return bool((np.ptp(values, axis=0) > 0).all())
 
 
 def _square_error(model: CollaborationModel, one: InteractionRecording, share: float) -> float:
     said = model.infer(one.partial(share=share), one.environment if model.environment_names else None)
-    truth = model.robot.learned(one.resample(said.steps, model.config.longest_gap).robot)
-    spread = np.maximum(truth.std(axis=0), 1e-9)
-    return float(np.mean(((model.robot.learned(said.robot_motion()) - truth) / spread) ** 2))
+    truth = evenly(one, model.config).robot
+    middle = np.broadcast_to(model.robot.mean(truth), truth.shape)
+    spread = np.maximum(np.sqrt(np.mean(model.robot.difference(truth, middle) ** 2, axis=0)), 1e-9)
+    return float(np.mean((model.robot.difference(said.robot_motion(), truth) / spread) ** 2))
