@@ -44,8 +44,11 @@ class CollaborationConfig:
     basis_functions: int = 20
     """M of every degree of freedom (F13)"""
     observe: Literal["positions", "forcing"] = "positions"
-    """What of the partner enters the likelihood: positions, the phase being the likeliest; or as printed the forcing
-    function (5.11, 5.12), for which what a tracker saw is differentiated twice, the phase being time warping's (5.5)"""
+    """What of the partner enters the likelihood: positions, or the forcing function as printed (5.11, 5.12), for which
+    what a tracker saw is differentiated twice"""
+    phase: Literal["likeliest", "warped"] = "likeliest"
+    """How far the partner has come: where what was seen is likeliest, which needs positions, or by time warping as
+    printed (5.5)"""
     noise: float | None = None
     """sigma^2 of what is observed, in its unit squared; None: the fit's residual (F13)"""
     environment_noise: float = 1e-3
@@ -62,14 +65,19 @@ class CollaborationConfig:
     def __post_init__(self) -> None:
         if self.observe not in ("positions", "forcing"):
             raise ValueError(f"observe is {self.observe!r}, must be 'positions' or 'forcing'")
+        if self.phase not in ("likeliest", "warped"):
+            raise ValueError(f"phase is {self.phase!r}, must be 'likeliest' or 'warped'")
+        if self.phase == "likeliest" and self.observe != "positions":
+            raise ValueError(f"phase 'likeliest' needs positions, {self.observe} is observed: its phase is 'warped'")
         if not isinstance(self.steps, int) or not 10 <= self.steps <= 100_000:
             raise ValueError(f"steps is {self.steps!r}, must be a whole number in [10, 100000]")
         self.primitive()
 
     @staticmethod
     def thesis() -> CollaborationConfig:
-        """The forcing function is observed, and the environment weighs as printed after 5.16."""
-        return CollaborationConfig(observe="forcing", printed_environment_weights=True)
+        """The forcing function is observed, phases are time warping's, and the environment weighs as printed after
+        5.16."""
+        return CollaborationConfig(observe="forcing", phase="warped", printed_environment_weights=True)
 
     def primitive(self) -> InteractionPrimitiveConfig:
         """For the C++ core. ValueError as there."""
@@ -198,7 +206,7 @@ class CollaborationModel:
             raise ValueError(f"{partial.name or 'the recording'}: no sample of the partner was seen")
         followed = follow(self.reference, self.duration, partial.stamp, seen)
         share = followed.warped_share
-        if self.config.observe == "positions":
+        if self.config.phase == "likeliest":
             share = likeliest_share(self.primitive, followed, self.duration, given)
         posterior = condition_at(self.primitive, followed, share, given)
         duration = float(followed.active[-1]) / share if share > 0 else self.duration  # 1 / tau = T'/t* (F14)

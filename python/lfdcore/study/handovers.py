@@ -22,7 +22,6 @@ from lfdcore.datasets.handovers import KTH_FAULTS, read_dynamic_handovers, read_
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.errors import DataError
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
-from lfdcore.humanoid.partner_tempo import PartnerTempo
 from lfdcore.study.runner import run_jobs
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
@@ -32,10 +31,10 @@ Indices = NDArray[np.int_]
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 """of the giver's motion that are seen; 0: the first sample alone"""
 METHODS = (
-    "IP, positions",
+    "IP, phase by time warping",
     "IP, forcing (as printed)",
     "IP, phase by the clock",
-    "IP, likeliest tempo",
+    "IP",
     "mean trajectory",
     "nearest demonstration",
     "oracle: IP told the phase",
@@ -46,8 +45,6 @@ MEASURES = ("over time", "at the end", "at the handover")
 closest"""
 NOISE = NoiseChoice(factors=(1.0, 10.0, 100.0, 1e3, 1e4, 1e6), folds=2, shares=(0.2, 0.6))
 """how sigma^2 is chosen in each split, from its training demonstrations alone"""
-LEAST_SPREAD = 0.1
-"""of the logarithm of durations: those of KTH's recordings are all the same, as they were cut"""
 STEPS = 100
 """of a motion"""
 TESTED = 0.2
@@ -258,7 +255,7 @@ class NearestDemonstration:
 
 def infer_by_clock(model: CollaborationModel, partial: InteractionRecording, duration: float) -> CollaborationInference:
     """As model.infer, but the phase is the time since the start over `duration` [s]: by the clock with the mean of the
-    demonstrations' durations, by PartnerTempo with the likeliest; an oracle with the true one, which nobody knows."""
+    demonstrations' durations; an oracle with the true one, which nobody knows."""
     shares = (partial.stamp - partial.stamp[0]) / duration
     kept = shares <= 1 + 1e-9
     phases = np.exp(-float(model.primitive.config.dmp.phase_decay) * shares[kept].clip(0, 1))
@@ -296,13 +293,12 @@ class _Methods:
 
     def __init__(self, demonstrations: Sequence[InteractionRecording]) -> None:
         plain = CollaborationConfig(environment=False, steps=STEPS)
-        forcing = replace(plain, observe="forcing")
+        forcing = replace(plain, observe="forcing", phase="warped")
         self.learned = [learn_collaboration(demonstrations, config, NOISE) for config in (plain, forcing)]
         self.factors = (_factor(self.learned[0]), _factor(self.learned[1]))
         placed = replace(plain, environment=True, noise=self.learned[0].primitive.config.noise)
         self.placed = CollaborationModel.fit([with_place(one) for one in demonstrations], placed)
-        spread = float(np.std(np.log([one.duration for one in demonstrations])))
-        self.tempo = PartnerTempo(self.learned[0], max(spread, LEAST_SPREAD))
+        self.warped = CollaborationModel.fit(demonstrations, replace(placed, environment=False, phase="warped"))
         self.nearest = NearestDemonstration(demonstrations)
         self.taken = [Truth.of(one).hands for one in demonstrations]
         self.hands = hand_columns(demonstrations[0].robot_names)
@@ -316,10 +312,10 @@ class _Methods:
         for share in SHARES:
             seen = one.partial(share=share)
             said = (
-                self._taken(positions.infer(seen)),
+                self._taken(self.warped.infer(seen)),
                 self._taken(forcing.infer(seen)),
                 self._taken(infer_by_clock(positions, seen, positions.duration)),
-                self._taken(infer_by_clock(positions, seen, self.tempo.duration(seen))),
+                self._taken(positions.infer(seen)),
                 mean,
                 self.taken[self.nearest.index(seen)],
                 self._taken(infer_by_clock(positions, seen, one.duration)),

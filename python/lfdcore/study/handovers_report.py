@@ -20,12 +20,12 @@ from lfdcore.study.statistics import block_bootstrap
 from lfdcore.study.tables import Table
 
 Array = NDArray[np.float64]
-IP, MEAN, NEAREST = (
-    METHODS.index("IP, positions"),
+WARPED, MEAN, NEAREST = (
+    METHODS.index("IP, phase by time warping"),
     METHODS.index("mean trajectory"),
     METHODS.index("nearest demonstration"),
 )
-TEMPO = METHODS.index("IP, likeliest tempo")
+LIKELIEST = METHODS.index("IP")
 COLOURS = ("#c1121f", "#e08e0b", "#b5179e", "#1a1a1a", "#7a828c", "#2563c9", "#1a9850", "#00a6b4")
 """of METHODS"""
 ABOUT = (
@@ -34,9 +34,9 @@ ABOUT = (
     f"compared in normalised time ({STEPS} steps). {TESTED:.0%} of the handovers are held out in each split, and "
     "sigma^2 is chosen from those that teach.\n\n"
     "Nothing of the scene is known beforehand in these data, so that there is no environment: IP is the plain "
-    "interaction primitive, which tells the phase by DTW against the giver's mean motion (5.5); by the clock, the "
-    "phase is the time over the demonstrations' mean duration; by the likeliest tempo, over the duration under "
-    "which the samples are likeliest (humanoid/partner_tempo), which is ours. KTH's recordings were cut to one "
+    "interaction primitive, whose phase is where the samples are likeliest (humanoid/partner_phase), which is ours; "
+    "by time warping, it is DTW's against the giver's mean motion (5.5); by the clock, the time over the "
+    "demonstrations' mean duration. KTH's recordings were cut to one "
     "duration, so that there the clock tells as much as the oracle. Oracles are told what nobody can know by then: "
     "the phase, or where the handover takes place (given as e, with IP's sigma^2)."
 )
@@ -77,7 +77,7 @@ def error_table(result: TaskErrors, measure: int, seed: int) -> Table:
         (name, *(one.as_text() for one in intervals(errors[:, k], result.tested, seed)))
         for k, name in enumerate(METHODS)
     ]
-    sd = spread[:, IP].std(axis=0, ddof=1) if len(spread) > 1 else np.full(len(SHARES), np.nan)
+    sd = spread[:, LIKELIEST].std(axis=0, ddof=1) if len(spread) > 1 else np.full(len(SHARES), np.nan)
     return Table(
         f"{result.task.name}: RMS error of the taker's hands {MEASURES[measure]} [mm] by share observed "
         f"({_caption(result)}, seed {seed})",
@@ -95,12 +95,12 @@ def difference_table(result: TaskErrors, seed: int) -> Table:
     rows = []
     for measure, words in enumerate(MEASURES):
         errors = result.errors[..., measure]
-        for way, what in ((IP, "DTW"), (TEMPO, "tempo")):
+        for way, what in ((WARPED, "DTW"), (LIKELIEST, "likeliest")):
             for other, name in ((MEAN, "mean"), (NEAREST, "nearest")):
                 found = intervals(errors[:, way] - errors[:, other], result.tested, seed)
                 rows.append((f"{words}: {what} - {name}", *(one.as_text() for one in found)))
     return Table(
-        f"{result.task.name}: error of IP with positions, phase by DTW or by the likeliest tempo, less that of a "
+        f"{result.task.name}: error of IP with positions, phase by DTW or the likeliest, less that of a "
         f"baseline, paired [mm] ({_caption(result)})",
         _header(),
         tuple(rows),
@@ -117,7 +117,7 @@ def seen_tables(results: Sequence[TaskErrors], seed: int) -> list[Table]:
 def _seen_table(few: TaskErrors, more: TaskErrors, seed: int) -> Table:
     rows = []
     for measure, words in enumerate(MEASURES):
-        for way in (IP, TEMPO):
+        for way in (WARPED, LIKELIEST):
             apart = more.errors[:, way, :, measure] - few.errors[:, way, :, measure]
             rows.append((f"{words}, {METHODS[way]}", *(one.as_text() for one in intervals(apart, few.tested, seed))))
     return Table(
@@ -155,7 +155,7 @@ def _draw_errors(axes: Axes, result: TaskErrors, measure: int, seed: int) -> Non
         )
         oracle = name.startswith("oracle")
         axes.plot(at, found[:, 0], color=COLOURS[k], lw=1.1 if oracle else 1.6, ls="--" if oracle else "-", label=name)
-        if k in (IP, TEMPO, NEAREST):
+        if k in (WARPED, LIKELIEST, NEAREST):
             axes.fill_between(at, found[:, 1], found[:, 2], color=COLOURS[k], alpha=0.14, lw=0)
     axes.set(title=MEASURES[measure], xlabel="of the giver's motion seen [%]", xlim=(0, 100))
     axes.set_ylim(bottom=0)
@@ -167,11 +167,11 @@ def handover_headline(results: Sequence[TaskErrors], study: HandoverStudy) -> st
     at, parts = SHARES.index(0.3), []
     for result in results:
         errors = result.errors[:, :, at, 0]
-        ip, tempo, mean, near = (1e3 * errors[:, k].mean() for k in (IP, TEMPO, MEAN, NEAREST))
-        said = [_verdict(result, at, way, other, study.seed) for way in (IP, TEMPO) for other in (MEAN, NEAREST)]
+        ip, tempo, mean, near = (1e3 * errors[:, k].mean() for k in (WARPED, LIKELIEST, MEAN, NEAREST))
+        said = [_verdict(result, at, way, other, study.seed) for way in (WARPED, LIKELIEST) for other in (MEAN, NEAREST)]
         parts.append(
             f"{result.task.name} (n = {len(result.task.recordings)}): IP with DTW {ip:.0f} mm, {said[0]} the mean "
-            f"trajectory ({mean:.0f}) and {said[1]} the nearest demonstration ({near:.0f}); with the likeliest tempo "
+            f"trajectory ({mean:.0f}) and {said[1]} the nearest demonstration ({near:.0f}); with the likeliest phase "
             f"{tempo:.0f}, {said[2]} the mean and {said[3]} the nearest."
         )
     return (

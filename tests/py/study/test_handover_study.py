@@ -164,7 +164,7 @@ def test_ip_foretells_the_taker_from_the_giver(results: tuple[TaskErrors, ...]) 
     means = results[0].errors.mean(axis=0)[:, :, MEASURES.index("at the handover")]
     at = SHARES.index(0.5)
     assert means[METHODS.index("IP, phase by the clock"), at] < 0.3 * means[METHODS.index("mean trajectory"), at]
-    assert means[METHODS.index("oracle: IP told the place"), 0] < 0.3 * means[METHODS.index("IP, positions"), 0]
+    assert means[METHODS.index("oracle: IP told the place"), 0] < 0.3 * means[METHODS.index("IP"), 0]
 
 
 def test_the_result_depends_on_the_seed_alone(
@@ -194,7 +194,7 @@ def test_what_more_that_is_seen_is_worth_is_paired(dynamic: Path) -> None:
     hands, skeleton = handover_tasks([dynamic])
     results = run_handover_study(HandoverStudy(tasks=(hands, skeleton), splits=1, seed=3), **QUIET)
     (table,) = seen_tables(results, 3)
-    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP, positions"), :, 0]
+    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP"), :, 0]
     assert [int(cell.split("\n")[0]) for cell in table.rows[0][1:]] == pytest.approx(apart, abs=0.51)
     assert seen_tables(results[:1], 3) == []
 

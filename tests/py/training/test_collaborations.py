@@ -56,9 +56,9 @@ def test_errors_are_those_of_the_slow_loop() -> None:
     np.testing.assert_allclose(found, slow_errors(PASSES, candidates, CHOICE), rtol=1e-9)
 
 
-@pytest.mark.parametrize("observe", ["positions", "forcing"])
-def test_the_learned_noise_is_the_one_with_the_least_error(observe: str) -> None:
-    config = dataclasses.replace(CONFIG, observe=observe)
+@pytest.mark.parametrize(("observe", "phase"), [("positions", "likeliest"), ("forcing", "warped")])
+def test_the_learned_noise_is_the_one_with_the_least_error(observe: str, phase: str) -> None:
+    config = dataclasses.replace(CONFIG, observe=observe, phase=phase)
     model, told = CollaborationModel.fit(PASSES, config), []
     learned = learn_collaboration(PASSES, config, CHOICE, lambda done, total: told.append((done, total)))
     candidates = [dataclasses.replace(config, noise=f * model.primitive.config.noise) for f in CHOICE.factors]
