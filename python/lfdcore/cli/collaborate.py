@@ -52,7 +52,10 @@ def collaborate(
     ] = None,
     picture: Annotated[Path | None, typer.Option(help="What is seen, expected and done (.png, .pdf, .svg).")] = None,
     execute: Annotated[
-        bool, typer.Option("--execute", help="Run it at 100 Hz on a kinematic robot; Ctrl-C stops it, it holds, exit code 130.")
+        bool,
+        typer.Option(
+            "--execute", help="Run it at 100 Hz on a kinematic robot; Ctrl-C stops it, it holds, exit code 130."
+        ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -63,38 +66,50 @@ def collaborate(
     from lfdcore.datasets.interaction import load_interaction, read_environment
     from lfdcore.humanoid.collaboration import CollaborationModel
 
-    require_drawable("--picture", picture)
-    if output is not None and output.suffix not in (".mcap", ".csv"):
-        raise typer.BadParameter(f"--output {output} must end in .mcap or .csv")
-    if not math.isfinite(tool):
-        raise typer.BadParameter(f"--tool {tool} must be finite")
-    if output is not None:
-        require_writable(output, [model_file, observe])
+    _require_options(output, picture, tool, [model_file, observe])
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)
     seen = recording.partial(share=1.0) if until is None else recording.partial(seconds=until)
     scene = read_environment(environment) if environment is not None else recording.environment
     inference = model.infer(seen, scene if model.environment_names else None)
-    facts = _facts(model, inference, seen, scene)
-    robot = _robot(urdf)
+    facts, robot = _facts(model, inference, seen, scene), _robot(urdf)
     joints, told = _joints(robot, model, inference, base, tip, tool)
     facts["arm"] = told
-    if output is not None and joints is not None:
-        from lfdcore.datasets.joint_motion import write_joint_motion
-
-        write_joint_motion(joints, output)
-        facts["written"] = f"{output}: {len(joints.time)} samples of {len(joints.names)} joints"
     if picture is not None:
         from lfdcore.study.collaboration_plots import collaboration_figure
 
         save_picture(collaboration_figure(model, inference, seen), picture)
-    execution = _execute(robot, joints) if execute and joints is not None else None
-    if execution is not None:
-        facts["executed"] = _told(execution)
+    aborted = joints is not None and _done(joints, robot, output, execute, facts)
     _print(facts, model, inference, as_json)
     if joints is None:
         raise ValueError(f"the arm {told}. Nothing was written or executed")
-    if execution is not None and execution.aborted:
+    if aborted:
         raise typer.Exit(STOPPED)
+
+
+def _require_options(output: Path | None, picture: Path | None, tool: float, inputs: list[Path]) -> None:
+    """Before the work."""
+    require_drawable("--picture", picture)
+    if not math.isfinite(tool):
+        raise typer.BadParameter(f"--tool {tool} must be finite")
+    if output is None:
+        return
+    if output.suffix not in (".mcap", ".csv"):
+        raise typer.BadParameter(f"--output {output} must end in .mcap or .csv")
+    require_writable(output, inputs)
+
+
+def _done(joints: JointMotion, robot: RobotModel, output: Path | None, execute: bool, facts: dict[str, Any]) -> bool:
+    """Writes and executes what was asked for -> was it stopped?"""
+    if output is not None:
+        from lfdcore.datasets.joint_motion import write_joint_motion
+
+        write_joint_motion(joints, output)
+        facts["written"] = f"{output}: {len(joints.time)} samples of {len(joints.names)} joints"
+    if not execute:
+        return False
+    execution = _execute(robot, joints)
+    facts["executed"] = _told(execution)
+    return execution.aborted
 
 
 def _facts(
