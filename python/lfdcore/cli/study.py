@@ -14,6 +14,7 @@ from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progr
 from lfdcore.cli.study_adaptation import study_adaptation
 from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_goals import study_goals
+from lfdcore.cli.study_joints import study_joints
 from lfdcore.cli.study_learning_curve import study_learning_curve
 
 if TYPE_CHECKING:
@@ -162,3 +163,4 @@ app.command("learning-curve")(study_learning_curve)
 app.command("goals")(study_goals)
 app.command("adaptation")(study_adaptation)
 app.command("backwards")(study_backwards)
+app.command("joints")(study_joints)

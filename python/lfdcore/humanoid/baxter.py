@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.humanoid.covering import Capsule
 from lfdcore.kinematics import InverseKinematics, KinematicChain, RobotModel, SelfCollision
 
 Side = Literal["left", "right"]
@@ -20,6 +21,12 @@ NEUTRAL: dict[Side, tuple[float, ...]] = {
     "right": (0.08, -1.0, 1.19, 1.94, -0.67, 1.03, 0.50),
 }
 """Rethink's neutral posture of each arm (baxter_interface, Limb.move_to_neutral) [rad], joints s0 to w2."""
+
+
+ARM_PARTS = ("upper arm", "forearm", "hand")
+"""of arm_capsules"""
+_HAND = 0.08
+"""[m] beyond the hand's plate that the URDF's gripper body reaches"""
 
 
 def neutral_posture(model: RobotModel) -> NDArray[np.float64]:
@@ -47,6 +54,20 @@ def baxter_arm(model: RobotModel, side: Side, T_hand_tool: NDArray[np.float64] |
     """From `base` to a tool on the hand's mounting plate; T_hand_tool (4, 4), by default robotiq_tool()."""
     tool = robotiq_tool() if T_hand_tool is None else T_hand_tool
     return model.chain("base", f"{side}_hand_link", tool)
+
+
+def arm_capsules(model: RobotModel, side: Side, positions: NDArray[np.float64]) -> tuple[Capsule, ...]:
+    """ARM_PARTS at the arm's joint positions (T, 7) [rad], s0 to w2, with the radii of the URDF's collision shapes: s1
+    to e1, e1 to w1, w1 to the end of the gripper's body (its fingers are not among them) [m, base]."""
+    q, joints = neutral_posture(model), [model.joint_names.index(name) for name in baxter_arm(model, side).joint_names]
+    links = [f"{side}_{name}" for name in ("lower_shoulder", "lower_elbow", "lower_forearm", "hand_link")]
+    ends = np.zeros((len(links), len(positions), 3))
+    for k, row in enumerate(positions):
+        q[joints] = row
+        for place, link in enumerate(links):
+            pose = model.forward(q, link)
+            ends[place, k] = pose[:3, 3] + (_HAND * pose[:3, 2] if link.endswith("hand_link") else 0)
+    return tuple(Capsule(*ends[k : k + 2], radius) for k, radius in enumerate((0.06, 0.06, 0.045)))
 
 
 def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:
