@@ -67,7 +67,7 @@ def arm_capsules(model: RobotModel, side: Side, positions: NDArray[np.float64]) 
         for place, link in enumerate(links):
             pose = model.forward(q, link)
             ends[place, k] = pose[:3, 3] + (_HAND * pose[:3, 2] if link.endswith("hand_link") else 0)
-    return tuple(Capsule(*ends[k : k + 2], radius) for k, radius in enumerate((0.06, 0.06, 0.045)))
+    return tuple(Capsule(ends[k], ends[k + 1], radius) for k, radius in enumerate((0.06, 0.06, 0.045)))
 
 
 def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:

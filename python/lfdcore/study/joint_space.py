@@ -332,4 +332,4 @@ def _shown(
 
 
 def _thinned(motion: Floats) -> Floats:
-    return motion[np.linspace(0, len(motion) - 1, SHOWN).round().astype(int)]
+    return np.asarray(motion[np.linspace(0, len(motion) - 1, SHOWN).round().astype(int)])

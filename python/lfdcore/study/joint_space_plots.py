@@ -42,8 +42,8 @@ def _joint(axes: Axes, shown: ShownArms, joint: int, name: str) -> None:
     for k, one in enumerate(shown.demonstrated):
         axes.plot(share, one[:, joint], color="0.75", linewidth=0.5, label="demonstrations" if k == 0 else None)
     mean, spread = shown.joints[JOINTS][:, joint], 2 * shown.deviation[:, joint]
-    band = {"color": COLOURS[JOINTS], "alpha": 0.2, "linewidth": 0, "label": f"{JOINTS}: two standard deviations"}
-    axes.fill_between(share, mean - spread, mean + spread, **band)
+    said, colour = f"{JOINTS}: two standard deviations", COLOURS[JOINTS]
+    axes.fill_between(share, mean - spread, mean + spread, color=colour, alpha=0.2, linewidth=0, label=said)
     labels = {JOINTS: f"{JOINTS}: inferred", GRIPPER: f"{GRIPPER}: inverse kinematics of what was inferred"}
     for space in SPACES:
         values = shown.joints[space][:, joint]

@@ -172,8 +172,8 @@ def joint_space_headline(result: JointSpaceResult) -> str:
     arm = np.mean([min(one.arm) < one.mouth for one in result.trials if one.arm[0] >= 0])
     return (
         f"{'. '.join(part[0].upper() + part[1:] for part in parts)}. From observation to joints Cartesian takes "
-        f"{ratio:.0f} times as long. In {100 * arm:.0f} % of the motions the arm, not the bag's mouth, comes nearest to "
-        f"the object. n = {len(result.runs)} seeds of simulated people (p < .05, paired)."
+        f"{ratio:.0f} times as long. In {100 * arm:.0f} % of the motions the arm, not the bag's mouth, comes nearest "
+        f"to the object. n = {len(result.runs)} seeds of simulated people (p < .05, paired)."
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import DataError, ModelError
 from lfdcore.estimation import Kernel
 from lfdcore.wheelchair.joystick_model import (
@@ -18,7 +19,6 @@ from lfdcore.wheelchair.joystick_model import (
     JoystickPrior,
 )
 from lfdcore.wheelchair.models import full_deflection_of, load_model
-from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 
 ARRAYS = {"one": np.arange(5.0), "two": np.arange(6, dtype=np.uint8).reshape(2, 3)}
 

@@ -12,9 +12,9 @@ from safetensors.numpy import save
 from synthetic_drive import T_BASE_LASER, corner_drive, drive, log_of
 from test_intention import AHEAD, LEFT, scan_at
 
+from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.wheelchair.model_file import KIND, VERSION, DriveAssistantModel, LearningConfig, learn_drive
-from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 
 
 @pytest.fixture
