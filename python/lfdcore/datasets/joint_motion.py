@@ -40,7 +40,7 @@ class JointMotion:
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
         for key in ("time", "positions", "velocities"):
-            object.__setattr__(self, key, np.array(getattr(self, key), np.float64))
+            object.__setattr__(self, key, np.array(getattr(self, key), np.float64, order="C"))  # as CDR wants rows
         if not self.names or len(set(self.names)) < len(self.names) or not all(self.names):
             raise ValueError(f"joints are {', '.join(self.names) or 'none'}, each must have a name of its own")
         if self.time.ndim != 1 or not len(self.time):

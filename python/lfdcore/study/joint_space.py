@@ -95,8 +95,12 @@ class ArmTrial:
     """[m] nearest to the object"""
     arm: tuple[float, float, float]
     """[m] nearest of each of ARM_PARTS"""
-    seconds: tuple[float, float]
-    """to infer what is left of the motion; to make joints of it"""
+    margin: float
+    """[rad] smallest distance of a joint from its position limits"""
+    speed: float
+    """largest share of a joint's velocity limit"""
+    seconds: tuple[float, float, float]
+    """to infer what is left of the motion; to make joints of it; in joint space, to look for self-collision after"""
 
     def row(self) -> dict[str, object]:
         """For machines, without times."""
@@ -227,14 +231,22 @@ class ArmSetting:
         if self.beyond(motion) > 0:
             return None, OUTSIDE, np.nan
         joints = follow_joints(self.robot, self.chain.joint_names, time, motion)
-        apart, _ = self_clearance(self.robot, joints, self.posture)
-        if apart < FollowConfig().clearance:
-            return None, "self_collision", np.nan
         return joints, FOLLOWED, joints.duration / (time[-1] - time[0])
 
+    def checked(self, space: str, joints: JointMotion | None, outcome: str) -> tuple[JointMotion | None, str]:
+        """Joints of joint space only where links keep apart; in Cartesian space they do, or `follow` failed."""
+        if space == GRIPPER or joints is None:
+            return joints, outcome
+        apart, _ = self_clearance(self.robot, joints, self.posture)
+        return (joints, outcome) if apart >= FollowConfig().clearance else (None, "self_collision")
+
     def beyond(self, positions: Floats) -> float:
-        """[rad] farthest outside the position limits."""
-        return float(np.maximum(self.chain.lower - positions, positions - self.chain.upper).max().clip(0))
+        """[rad] farthest outside the position limits, 0 inside."""
+        return max(self.excess(positions), 0.0)
+
+    def excess(self, positions: Floats) -> float:
+        """[rad] farthest outside the position limits, negative inside."""
+        return float(np.maximum(self.chain.lower - positions, positions - self.chain.upper).max())
 
     def poses(self, positions: Floats) -> Floats:
         """(T, 7) [rad] -> T_base_gripper (T, 4, 4)."""
@@ -265,7 +277,9 @@ def _trial(
     time, motion = inference.motion_from_now(PERIOD)
     between = perf_counter()
     joints, outcome, slowdown = setting.sent(space, time, motion)
-    seconds = (between - begin, perf_counter() - between)
+    made = perf_counter()
+    joints, outcome = setting.checked(space, joints, outcome)
+    seconds = (between - begin, made - between, perf_counter() - made)
     whole = inference.robot_motion()
     position, rotation = _errors(setting, space, whole, one)
     beyond = setting.beyond(whole) if space == JOINTS else 0.0
@@ -288,8 +302,8 @@ def _errors(setting: ArmSetting, space: str, whole: Floats, one: InteractionReco
 def _judged(setting: ArmSetting, joints: JointMotion | None, box: Box) -> dict[str, Any]:
     """What comes of the joints at the object and at the robot itself."""
     if joints is None:
-        never = {"covered": False, "covered_by_mouth": False, "clearance": np.nan, "mouth": np.nan}
-        return {**never, "arm": (np.nan,) * len(ARM_PARTS)}
+        never = dict.fromkeys(("clearance", "mouth", "margin", "speed"), np.nan)
+        return {**never, "covered": False, "covered_by_mouth": False, "arm": (np.nan,) * len(ARM_PARTS)}
     links = arm_capsules(setting.robot, "left", joints.positions)
     verdict = covering_verdict(setting.poses(joints.positions)[:, :3, 3], RIGHT_GRIPPER, box)
     arm = tuple(nearest_approach(link.begin, link.end, box, radius=link.radius).distance for link in links)
@@ -300,6 +314,8 @@ def _judged(setting: ArmSetting, joints: JointMotion | None, box: Box) -> dict[s
         "clearance": clearance,
         "mouth": verdict.contact.distance,
         "arm": arm,
+        "margin": -setting.excess(joints.positions),
+        "speed": float((np.abs(joints.velocities) / setting.chain.velocity).max()),
     }
 
 

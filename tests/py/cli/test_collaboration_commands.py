@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     first = with_joints(ones[0], None)
     in_joints = [first, *(with_joints(one, first.robot[0]) for one in ones[1:])]
     CollaborationModel.fit(in_joints).save(folder / "joints.safetensors")
-    shifted = [dataclasses.replace(one, robot=one.robot + [3, 0, 0, 0, 0, 0, 0]) for one in ones]
+    shifted = [dataclasses.replace(one, robot=one.robot + np.eye(7)[0] * 3) for one in ones]
     CollaborationModel.fit(shifted).save(folder / "far.safetensors")
     places = [dataclasses.replace(one, robot=one.robot[:, :3], robot_names=one.robot_names[:3]) for one in ones]
     CollaborationModel.fit(places).save(folder / "places.safetensors")
@@ -149,12 +149,12 @@ def test_the_written_motion_is_inside_all_limits_and_is_the_inferred_one(folder,
 
 def test_json_holds_facts_and_the_motion_and_the_picture_shows_both(folder, monkeypatch, capsys, tmp_path) -> None:
     picture = tmp_path / "p.png"
-    code, out, err = run(monkeypatch, capsys, *words(folder, "--json", "--picture", picture))
+    code, out, err = run(monkeypatch, capsys, *words(folder, "--json", "--picture", picture, "--until", "4"))
     assert code == 0, err
     facts = json.loads(out)
     assert len(facts["motion"]) == 9
     assert set(facts["motion"][0]) == {"time", *CollaborationModel.load(folder / "model.safetensors").robot.names}
-    assert 0 < facts["share"] < 0.3
+    assert 0.2 < facts["share"] < 0.6
     assert "object.height 0.82" in facts["environment"]
     pixels = np.asarray(Image.open(picture).convert("RGB"), float)
     assert pixels.std() > 10
@@ -167,7 +167,7 @@ def test_the_scene_changes_the_motion_and_the_observation_the_duration(folder, m
     for scene in (folder / "e.json", tall):
         _, out, _ = run(monkeypatch, capsys, *words(folder, "--json", "--environment", scene))
         motions.append([row["left_gripper.z"] for row in json.loads(out)["motion"]])
-    assert max(motions[1]) > max(motions[0]) + 0.08
+    assert max(motions[1]) > max(motions[0]) + 0.05
 
 
 def test_until_0_heeds_the_first_sample_alone(folder, monkeypatch, capsys) -> None:
@@ -191,7 +191,7 @@ def test_joints_that_were_learned_are_sent_as_they_are(folder, monkeypatch, caps
 
 
 def test_learned_joints_that_bring_links_together_are_not_sent(folder, monkeypatch, capsys, tmp_path) -> None:
-    ones = [load_interaction(folder / f"demo{k}.npz") for k in range(2)]
+    ones = [load_interaction(folder / f"demo{k}.npz") for k in (0, 3)]
     crossed = np.array([0.9, 0.9, 0, 2.5, 0, 0, 0])  # the forearm folded back into the body
     names = tuple(LEFT.joint_names)
     bad = []
@@ -249,7 +249,7 @@ def bad(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--tool", "nan"], 2, "--tool nan must be finite"),
         (["--tool", "inf"], 2, "--tool inf must be finite"),
         (["--until", "-1"], 2, "--until"),
-        (["--until", "nan"], 1, "seconds must be finite"),
+        (["--until", "nan"], 2, "--until"),
         (["-o", "m.txt"], 2, "must end in .mcap or .csv"),
         (["-o", "no/m.csv"], 1, "there is no folder no to write to"),
         (["-o", "BAD/folder.csv"], 1, "no regular file"),
@@ -266,7 +266,6 @@ def bad(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--observe", "BAD/unseen.npz"], 1, "no sample of the partner was seen"),
         (["--observe", "BAD/nowhere.npz"], 1, "the environment lacks object.height, object.width: it has nothing"),
         (["--observe", "BAD/model.safetensors"], 1, "model.safetensors"),
-        (["--until", "60"], 1, "the partner has come to the end of the motion"),
     ],
 )
 def test_bad_input_is_told_in_one_line(folder, bad, monkeypatch, capsys, flags, code, said) -> None:  # type: ignore[no-untyped-def]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap_ros2.reader import read_ros2_messages
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from scipy.interpolate import CubicHermiteSpline
 
 from lfdcore.datasets.joint_motion import TOPIC, JointMotion, read_joint_motion, write_joint_motion
@@ -26,9 +27,10 @@ def motion(samples: int = 7, seed: int = 1) -> JointMotion:
 def test_an_independent_decoder_reads_the_message_that_was_written(tmp_path: Path) -> None:
     given_motion, path = motion(), tmp_path / "m.mcap"
     write_joint_motion(given_motion, path)
-    (read,) = read_ros2_messages(str(path))
-    assert (read.channel.topic, read.schema.name) == (TOPIC, "trajectory_msgs/msg/JointTrajectory")
-    message = read.ros_msg
+    with path.open("rb") as file:
+        decoded = make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+        ((schema, channel, _, message),) = decoded
+    assert (channel.topic, schema.name) == (TOPIC, "trajectory_msgs/msg/JointTrajectory")
     assert tuple(message.joint_names) == NAMES
     assert message.header.frame_id == "base"
     for k, point in enumerate(message.points):
@@ -53,6 +55,14 @@ def test_what_is_written_is_read_back_and_the_bytes_are_the_same_twice(tmp_path_
     np.testing.assert_array_equal(read.positions, one.positions)
     np.testing.assert_array_equal(read.velocities, one.velocities)
     np.testing.assert_allclose(read.time, one.time, atol=1e-9)
+
+
+def test_a_motion_in_any_order_of_memory_is_written(tmp_path: Path) -> None:
+    one = motion()
+    write_joint_motion(one, tmp_path / "a.mcap")
+    turned = dataclasses.replace(one, positions=np.asfortranarray(one.positions))
+    write_joint_motion(turned, tmp_path / "b.mcap")
+    assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
 
 
 def test_the_table_has_a_column_a_joint_and_one_a_velocity(tmp_path: Path) -> None:

@@ -188,7 +188,7 @@ def test_robots_rest_at_baxters_neutral_posture_or_mid_range() -> None:
 def test_self_clearance_is_the_smallest_of_all_samples() -> None:
     posture = neutral_posture(ROBOT)
     middle = np.array([posture[ROBOT.joint_names.index(name)] for name in LEFT.joint_names])
-    positions = np.linspace(middle, middle + [1.2, 0, 0, 0, 0, 0, 0], 9)
+    positions = np.linspace(middle, middle + 1.2 * np.eye(7)[0], 9)
     motion = JointMotion(tuple(LEFT.joint_names), np.arange(9.0), positions, np.zeros_like(positions))
     slow, surroundings = [], SelfCollision(ROBOT)
     for q in positions:
