@@ -48,7 +48,7 @@ SHOWN = 100
 
 @dataclass(frozen=True, kw_only=True)
 class JointSpaceStudy:
-    """What is run. ValueError unless seeds, held_out >= 1 and seed >= 0."""
+    """What is run. ValueError unless seeds, held_out, few >= 1 and seed >= 0."""
 
     protocol: CoveringProtocol = BOUNDING_BOX
     seeds: int = 10
@@ -56,13 +56,15 @@ class JointSpaceStudy:
     """of the first"""
     held_out: int = 3
     """people who were not seen in training, for each object"""
+    few: int = 2
+    """demonstrations of each object in a second round: what does each space make of little?"""
     choice: NoiseChoice = dataclasses.field(default_factory=NoiseChoice)
     """of the noise, for each space by itself"""
 
     def __post_init__(self) -> None:
-        if self.seeds < 1 or self.held_out < 1 or self.seed < 0:
-            given = f"{self.seeds}, {self.held_out} and {self.seed}"
-            raise ValueError(f"seeds and held_out must be >= 1 and seed >= 0, got {given}")
+        if min(self.seeds, self.held_out, self.few) < 1 or self.seed < 0:
+            given = f"{self.seeds}, {self.held_out}, {self.few} and {self.seed}"
+            raise ValueError(f"seeds, held_out and few must be >= 1 and seed >= 0, got {given}")
 
 
 @dataclass(frozen=True)
@@ -104,9 +106,9 @@ class ArmTrial:
 
     def row(self) -> dict[str, object]:
         """For machines, without times."""
-        said: dict[str, object] = {**dataclasses.asdict(self), "arm": dict(zip(ARM_PARTS, self.arm, strict=True))}
-        del said["seconds"]
-        return said
+        said: dict[str, object] = dataclasses.asdict(self)
+        del said["seconds"], said["arm"]
+        return {**said, **dict(zip(ARM_PARTS, self.arm, strict=True))}
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,19 +150,24 @@ class JointSpaceResult:
 
     study: JointSpaceStudy
     runs: tuple[JointSpaceRun, ...]
+    """with the protocol's demonstrations"""
+    few: tuple[JointSpaceRun, ...]
+    """with study.few of each object, the same seeds and held-out people"""
 
     @property
     def trials(self) -> list[ArmTrial]:
-        """Of all seeds."""
+        """Of all seeds, with the protocol's demonstrations."""
         return [trial for run in self.runs for trial in run.trials]
 
 
 def run_joint_space_study(
     study: JointSpaceStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> JointSpaceResult:
-    """Every seed of `study`, over processes; progress(done, total) is told after each."""
+    """Every seed of `study` twice, over processes; progress(done, total) is told after each."""
     seeds = range(study.seed, study.seed + study.seeds)
-    return JointSpaceResult(study, run_jobs([JointSpaceJob(study, seed) for seed in seeds], progress, processes))
+    counts = (study.protocol.demonstrations, study.few)
+    runs = run_jobs([JointSpaceJob(study, seed, count) for count in counts for seed in seeds], progress, processes)
+    return JointSpaceResult(study, runs[: study.seeds], runs[study.seeds :])
 
 
 @dataclass(frozen=True)
@@ -169,10 +176,13 @@ class JointSpaceJob:
 
     study: JointSpaceStudy
     seed: int
+    demonstrations: int
+    """of each object"""
 
     def run(self) -> JointSpaceRun:
         """Learns in both spaces and judges all held-out people."""
-        data = covering_data(self.study.protocol, self.seed, held_out=self.study.held_out)
+        protocol = dataclasses.replace(self.study.protocol, demonstrations=self.demonstrations)
+        data = covering_data(protocol, self.seed, held_out=self.study.held_out)
         setting = ArmSetting.of(data)
         pairs = [(one, made) for one in data.training if (made := setting.in_joints(one)) is not None]
         taught = {GRIPPER: [one for one, _ in pairs], JOINTS: [made for _, made in pairs]}

@@ -11,7 +11,7 @@ import numpy as np
 
 from lfdcore import __version__
 from lfdcore.humanoid.baxter import ARM_PARTS
-from lfdcore.study.joint_space import FOLLOWED, GRIPPER, JOINTS, SPACES, ArmTrial, JointSpaceResult
+from lfdcore.study.joint_space import FOLLOWED, GRIPPER, JOINTS, SPACES, ArmTrial, JointSpaceResult, JointSpaceRun
 from lfdcore.study.joint_space_plots import joint_space_figure
 from lfdcore.study.report import Picture, Section, write_figures, write_report
 from lfdcore.study.statistics import PairedTest, paired_test, summarise, summarise_bounded
@@ -33,6 +33,7 @@ class Quantity:
     """a share of the motions, in percent"""
 
 
+_NOT_SENT = Quantity("cannot be sent to the arm [%]", lambda one: 100.0 * (one.outcome != FOLLOWED), 1, bounded=True)
 QUANTITIES = (
     Quantity("gripper off, RMS [mm]", lambda one: 1e3 * one.position_error, 1),
     Quantity("orientation off, RMS [degrees]", lambda one: float(np.degrees(one.rotation_error)), 2),
@@ -42,7 +43,7 @@ QUANTITIES = (
     Quantity("arm to object, nearest [mm]", lambda one: 1e3 * min(one.arm), 1, more=None),
     Quantity("beyond position limits [%]", lambda one: 100.0 * (one.beyond > 0), 1, bounded=True),
     Quantity("too fast before slowed down [%]", lambda one: 100.0 * (one.slowdown > 1 + 1e-9), 1, bounded=True),
-    Quantity("cannot be sent to the arm [%]", lambda one: 100.0 * (one.outcome != FOLLOWED), 1, bounded=True),
+    _NOT_SENT,
     Quantity("from position limits, nearest [degrees]", lambda one: float(np.degrees(one.margin)), 1, more=None),
     Quantity("of a velocity limit, largest [%]", lambda one: 100.0 * one.speed, 1, more=None),
     Quantity("robot's own links, nearest [mm]", lambda one: 1e3 * one.clearance, 1, more=None),
@@ -100,6 +101,36 @@ def _p(p: float) -> str:
     return "-" if np.isnan(p) else f"{p:.3f}"
 
 
+def few_table(result: JointSpaceResult) -> Table:
+    """With the protocol's demonstrations and with few: what cannot be sent to the arm, and why."""
+    protocol, few = result.study.protocol.demonstrations, result.study.few
+    rows = [
+        _few_row(f"{count} of each object, {space}", runs, space)
+        for count, runs in ((protocol, result.runs), (few, result.few))
+        for space in SPACES
+    ]
+    return Table(
+        f"What little teaches ({len(result.runs)} seeds, all objects)",
+        ("demonstrations", "n", "gripper off [mm]", "covered [%]", "not sent [%]", "why not", "beyond limits"),
+        tuple(rows),
+        "Means over seeds and +- their standard deviation. Not sent: joints outside their position limits or links "
+        "that touch in joint space; in Cartesian space also poses out of reach or without a continuous way of the "
+        "joints. Beyond limits: how far the farthest inferred joint is outside them, in any motion.",
+    )
+
+
+def _few_row(label: str, runs: Sequence[JointSpaceRun], space: str) -> Row:
+    chosen = [[one for one in run.trials if one.space == space] for run in runs]
+    every = [one for ones in chosen for one in ones]
+    cells = []
+    for quantity in (QUANTITIES[0], QUANTITIES[2], _NOT_SENT):
+        s = summarise([float(np.mean([quantity.value(one) for one in ones])) for ones in chosen])
+        cells.append(f"{s.mean:.1f}" + (f"\n+- {s.sd:.1f}" if s.n > 1 else ""))
+    why = Counter(one.outcome.replace("_", " ") for one in every if one.outcome != FOLLOWED)
+    told = "\n".join(f"{count} {outcome}" for outcome, count in why.most_common()) or "-"
+    return (label, str(len(every)), *cells, told, f"{np.degrees(max(one.beyond for one in every)):.1f} degrees")
+
+
 def nearest_table(result: JointSpaceResult) -> Table:
     """Does the arm or the bag's mouth come nearest to the object?"""
     rows = []
@@ -154,7 +185,12 @@ def time_table(result: JointSpaceResult) -> Table:
 
 def joint_space_tables(result: JointSpaceResult) -> list[Table]:
     """All of them."""
-    return [*(comparison_table(result, kind) for kind in KINDS), nearest_table(result), time_table(result)]
+    return [
+        *(comparison_table(result, kind) for kind in KINDS),
+        few_table(result),
+        nearest_table(result),
+        time_table(result),
+    ]
 
 
 def better_at(result: JointSpaceResult) -> dict[str, list[str]]:
@@ -203,7 +239,9 @@ def write_joint_space_report(result: JointSpaceResult, folder: Path, command: st
     )
     pictures = [Picture(joint_space_figure(run), caption)]
     section = Section("Joint space or Cartesian?", text, joint_space_tables(result), pictures)
-    write_figures(folder / "figures.json", [one.row() for one in result.trials])
+    rounds = ((result.study.protocol.demonstrations, result.runs), (result.study.few, result.few))
+    rows = [{"demonstrations": n, **one.row()} for n, runs in rounds for run in runs for one in run.trials]
+    write_figures(folder / "figures.json", rows)
     origin = f"lfdcore {__version__}, seed {result.study.seed}. Made by: `{command}`"
     lead = joint_space_headline(result)
     return write_report(folder / "report.html", "lfdcore: joint-space primitives", [section], lead, origin)

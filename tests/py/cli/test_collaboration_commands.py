@@ -1,6 +1,7 @@
 """lfdcore learn collaboration and collaborate, as a user calls them; the robot is stopped by Ctrl-C."""
 
 import dataclasses
+import functools
 import json
 import math
 import signal
@@ -389,3 +390,33 @@ def test_execution_to_the_end_tells_the_tracking_error(ur5, monkeypatch, capsys)
     assert "tracking error" in facts["executed"]
     assert "stopped" not in facts["executed"]
     assert math.isfinite(float(facts["executed"].split("error ")[1].split()[0]))
+
+
+def test_study_joints_writes_a_report_and_says_who_is_better(monkeypatch, capsys, tmp_path) -> None:
+    from lfdcore.study import joint_space
+    from lfdcore.study.covering_task import BOUNDING_BOX
+    from lfdcore.training.collaborations import NoiseChoice
+
+    small = dataclasses.replace(BOUNDING_BOX, demonstrations=2, novel=BOUNDING_BOX.novel[-1:])
+    quick = NoiseChoice(factors=(1.0,), folds=2, shares=(0.1,))
+    monkeypatch.setattr(
+        joint_space, "JointSpaceStudy", functools.partial(joint_space.JointSpaceStudy, protocol=small, choice=quick)
+    )
+    more = ("--seeds", "1", "--seed", "100", "--held-out", "1", "--processes", "1")
+    code, out, err = run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", *more)
+    assert code == 0, err
+    assert out.startswith("Joint space is better at nothing that shows over seeds.")
+    for title in (
+        "Known objects: 4 people",
+        "Novel objects: 1 people",
+        "What little teaches",
+        "What comes nearest",
+        "Time from observation",
+    ):
+        assert title in out
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert "lfdcore study joints -o out --seeds 1 --held-out 1 --seed 100" in report
+    assert report.count("<img") == 1
+    code, out, _ = run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", *more, "--json")
+    assert json.loads(out)["better_at"] == {"joint space": [], "Cartesian": []}
+    assert run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", "--seeds", "0")[0] == 2

@@ -30,6 +30,7 @@ from lfdcore.study.joint_space_report import (
     QUANTITIES,
     better_at,
     comparison_table,
+    few_table,
     joint_space_headline,
     joint_space_tables,
     nearest_table,
@@ -40,7 +41,7 @@ from lfdcore.training.collaborations import NoiseChoice
 
 PROTOCOL = dataclasses.replace(BOUNDING_BOX, demonstrations=3, novel=BOUNDING_BOX.novel[-1:])
 CHOICE = NoiseChoice(factors=(1.0, 100.0), folds=2, shares=(0.1,))
-STUDY = JointSpaceStudy(protocol=PROTOCOL, seeds=2, seed=100, held_out=1, choice=CHOICE)
+STUDY = JointSpaceStudy(protocol=PROTOCOL, seeds=2, seed=100, held_out=1, few=2, choice=CHOICE)
 
 
 @pytest.fixture(scope="module")
@@ -151,8 +152,8 @@ def test_angles_between_orientations_are_scipys() -> None:
 
 
 def test_bounds_of_the_study_are_told() -> None:
-    for bad in ({"seeds": 0}, {"seed": -1}, {"held_out": 0}):
-        with pytest.raises(ValueError, match="seeds and held_out must be >= 1 and seed >= 0"):
+    for bad in ({"seeds": 0}, {"seed": -1}, {"held_out": 0}, {"few": 0}):
+        with pytest.raises(ValueError, match="seeds, held_out and few must be >= 1 and seed >= 0"):
             JointSpaceStudy(**bad)
 
 
@@ -164,11 +165,11 @@ def changed(result: JointSpaceResult, space: str, **values: object) -> JointSpac
         return dataclasses.replace(one, **values) if one.space == space else one
 
     runs = [dataclasses.replace(run, trials=tuple(map(change, run.trials))) for run in result.runs]
-    return JointSpaceResult(result.study, tuple(runs))
+    return JointSpaceResult(result.study, tuple(runs), result.few)
 
 
 def test_who_is_better_is_told_only_where_it_shows_over_seeds(result: JointSpaceResult) -> None:
-    many = JointSpaceResult(result.study, result.runs * 4)  # 8 seeds
+    many = JointSpaceResult(result.study, result.runs * 4, result.few)  # 8 seeds
     for space in SPACES:
         worse = changed(many, space, position_error=0.5, covered=False, covered_by_mouth=False)
         other = GRIPPER if space == JOINTS else JOINTS
@@ -176,6 +177,15 @@ def test_who_is_better_is_told_only_where_it_shows_over_seeds(result: JointSpace
         assert "covered, no contact (known objects)" in better_at(worse)[other]
         assert "gripper off, RMS (novel objects)" not in better_at(worse)[space]
     assert better_at(result) == {JOINTS: [], GRIPPER: []}  # two seeds show nothing
+
+
+def test_what_cannot_be_sent_is_counted_by_its_reason(result: JointSpaceResult) -> None:
+    lost = changed(result, JOINTS, outcome=OUTSIDE, beyond=np.radians(5), covered=False)
+    rows = few_table(lost).rows
+    assert [row[0] for row in rows] == [f"{n} of each object, {space}" for n in (3, 2) for space in SPACES]
+    assert rows[0][3:] == ("0.0\n+- 0.0", "100.0\n+- 0.0", "10 outside limits", "5.0 degrees")
+    assert rows[1][4:] == ("0.0\n+- 0.0", "-", "0.0 degrees")
+    assert all(run.demonstrations + run.left_out == 8 for run in result.few)
 
 
 def test_what_comes_nearest_is_counted(result: JointSpaceResult) -> None:
@@ -213,8 +223,12 @@ def test_the_report_holds_the_headline_and_all_figures(result: JointSpaceResult,
     text = report.read_text()
     assert joint_space_headline(result).split(". ")[0].split(",")[0] in text
     rows = json.loads((tmp_path / "figures.json").read_text())
-    assert len(rows) == len(result.trials)
-    assert set(rows[0]["arm"]) == set(ARM_PARTS)
+    assert len(rows) == 2 * len(result.trials)
+    assert {row["demonstrations"] for row in rows} == {2, 3}
+    assert set(ARM_PARTS) < set(rows[0])
     assert "seconds" not in rows[0]
+    lost = changed(result, JOINTS, outcome=OUTSIDE, mouth=np.nan, arm=(np.nan,) * 3)
+    write_joint_space_report(lost, tmp_path, "lfdcore study joints")
+    assert json.loads((tmp_path / "figures.json").read_text())[0]["hand"] is None
     before = report.read_bytes()
-    assert write_joint_space_report(result, tmp_path, "lfdcore study joints").read_bytes() == before
+    assert write_joint_space_report(lost, tmp_path, "lfdcore study joints").read_bytes() == before
