@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from lfdcore.cli.common import JsonOption, print_facts, print_json, progress_bar, require_drawable, save_picture
+from lfdcore.cli.common import (
+    JsonOption,
+    print_facts,
+    print_json,
+    progress_bar,
+    require_drawable,
+    require_writable,
+    save_picture,
+)
 
 if TYPE_CHECKING:
     from lfdcore.datasets.interaction import InteractionRecording
@@ -22,6 +30,8 @@ PERIOD = 0.02
 """[s] between the samples of a written motion"""
 SHOWN = 9
 """lines of the motion that are printed"""
+STOPPED = 130
+"""exit code where Ctrl-C stopped the robot, as of every command that it ends"""
 
 
 def collaborate(
@@ -42,40 +52,64 @@ def collaborate(
     ] = None,
     picture: Annotated[Path | None, typer.Option(help="What is seen, expected and done (.png, .pdf, .svg).")] = None,
     execute: Annotated[
-        bool, typer.Option("--execute", help="Run it at 100 Hz on a kinematic robot; Ctrl-C stops and holds.")
+        bool,
+        typer.Option(
+            "--execute", help="Run it at 100 Hz on a kinematic robot; Ctrl-C stops it, it holds, exit code 130."
+        ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Infer the robot's whole motion, and write what is left of it as joint positions inside the robot's limits."""
+    """Infer the robot's whole motion, and write what is left of it as joint positions inside the robot's limits.
+
+    Where the arm cannot follow, the inferred motion is printed, nothing is written or executed, and the exit code is 1.
+    """
     from lfdcore.datasets.interaction import load_interaction, read_environment
     from lfdcore.humanoid.collaboration import CollaborationModel
 
-    require_drawable("--picture", picture)
-    if output is not None and output.suffix not in (".mcap", ".csv"):
-        raise typer.BadParameter(f"--output {output} must end in .mcap or .csv")
-    if not math.isfinite(tool):
-        raise typer.BadParameter(f"--tool {tool} must be finite")
+    _require_options(output, picture, tool, [model_file, observe])
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)
     seen = recording.partial(share=1.0) if until is None else recording.partial(seconds=until)
     scene = read_environment(environment) if environment is not None else recording.environment
     inference = model.infer(seen, scene if model.environment_names else None)
-    facts = _facts(model, inference, seen, scene)
-    robot = _robot(urdf)
-    joints, facts["arm"] = _joints(robot, model, inference, base, tip, tool)
-    if output is not None and joints is not None:
-        from lfdcore.datasets.joint_motion import write_joint_motion
-
-        write_joint_motion(joints, output)
-        facts["written"] = f"{output}: {len(joints.time)} samples of {len(joints.names)} joints"
+    facts, robot = _facts(model, inference, seen, scene), _robot(urdf)
+    joints, told = _joints(robot, model, inference, base, tip, tool)
+    facts["arm"] = told
     if picture is not None:
         from lfdcore.study.collaboration_plots import collaboration_figure
 
         save_picture(collaboration_figure(model, inference, seen), picture)
-    if execute and joints is not None:
-        facts["executed"] = _told(_execute(robot, joints))
+    aborted = joints is not None and _done(joints, robot, output, execute, facts)
     _print(facts, model, inference, as_json)
     if joints is None:
-        raise typer.Exit(1)
+        raise ValueError(f"the arm {told}. Nothing was written or executed")
+    if aborted:
+        raise typer.Exit(STOPPED)
+
+
+def _require_options(output: Path | None, picture: Path | None, tool: float, inputs: list[Path]) -> None:
+    """Before the work."""
+    require_drawable("--picture", picture)
+    if not math.isfinite(tool):
+        raise typer.BadParameter(f"--tool {tool} must be finite")
+    if output is None:
+        return
+    if output.suffix not in (".mcap", ".csv"):
+        raise typer.BadParameter(f"--output {output} must end in .mcap or .csv")
+    require_writable(output, inputs)
+
+
+def _done(joints: JointMotion, robot: RobotModel, output: Path | None, execute: bool, facts: dict[str, Any]) -> bool:
+    """Writes and executes what was asked for -> was it stopped?"""
+    if output is not None:
+        from lfdcore.datasets.joint_motion import write_joint_motion
+
+        write_joint_motion(joints, output)
+        facts["written"] = f"{output}: {len(joints.time)} samples of {len(joints.names)} joints"
+    if not execute:
+        return False
+    execution = _execute(robot, joints)
+    facts["executed"] = _told(execution)
+    return execution.aborted
 
 
 def _facts(
@@ -112,16 +146,29 @@ def _joints(
 
     time, motion = inference.motion_from_now(PERIOD)
     if set(model.robot.names) <= set(robot.joint_names):
-        joints = follow_joints(robot, model.robot.names, time, motion)
-        return joints, f"joints were learned: {joints.duration / time[-1]:.2f} times as long inside the velocity limits"
+        return _learned_joints(robot, follow_joints(robot, model.robot.names, time, motion), time[-1])
     arm = follow_gripper(robot, model.robot.names, time, motion, base, tip, tool)
     return (arm.joints if arm.followed else None), _arm_told(robot, arm)
+
+
+def _learned_joints(robot: RobotModel, joints: JointMotion, wanted: float) -> tuple[JointMotion | None, str]:
+    from lfdcore.humanoid.arm import self_clearance
+    from lfdcore.kinematics import FollowConfig
+
+    apart, sample = self_clearance(robot, joints)
+    if apart < FollowConfig().clearance:
+        return None, f"cannot follow from sample {sample} on: self collision; links come to {apart:.3f} m"
+    near = f"links keep {apart:.3f} m apart" if robot.collision_shapes else _UNCHECKED
+    return joints, f"joints were learned: {joints.duration / wanted:.2f} times as long inside all limits; {near}"
+
+
+_UNCHECKED = "self-collision was not looked for: the robot has no collision shapes"
 
 
 def _arm_told(robot: RobotModel, arm: ArmMotion) -> str:
     result = arm.result
     names = [robot.link_names[k] for k in result.nearest_links] if result.nearest_links else []
-    near = f"links keep {result.clearance:.3f} m apart" + (f" ({', '.join(names)})" if names else "")
+    near = f"links keep {result.clearance:.3f} m apart ({', '.join(names)})" if names else _UNCHECKED
     if arm.followed:
         errors = f"{1e3 * result.position_error:.2f} mm, {result.rotation_error:.1e} rad off at most"
         return f"followed inside all limits: {errors}; {result.slowdown:.2f} times as long; {near}"
@@ -141,7 +188,7 @@ def _execute(robot: RobotModel, joints: JointMotion) -> Execution:
 
 def _told(execution: Execution) -> str:
     worst, joint = execution.largest_error
-    end = "; stopped, it holds" if execution.aborted else ""
+    end = f"; stopped after {execution.ticks[-1].time:.2f} s, it holds where it is" if execution.aborted else ""
     errors = f"tracking error {execution.rms_error:.1e} rad RMS, at most {worst:.1e} ({joint})"
     return f"{len(execution.ticks)} targets at 100 Hz, {errors}{end}"
 

@@ -148,12 +148,12 @@ def require_writable(output: Path, inputs: list[Path]) -> None:
     folder or a device."""
     folder = output.parent
     if not folder.is_dir():
-        raise ValueError(f"{output}: there is no folder {folder} to write the model to")
+        raise ValueError(f"{output}: there is no folder {folder} to write to")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise ValueError(f"{output}: the folder {folder} cannot be written to")
     if not output.exists():
         return
     if not output.is_file():
-        raise ValueError(f"{output}: exists and is no regular file, so no model is written there")
+        raise ValueError(f"{output}: exists and is no regular file, so nothing is written there")
     if any(one.exists() and output.samefile(one) for one in inputs):
         raise typer.BadParameter(f"--output {output} is one of the logs to learn from")

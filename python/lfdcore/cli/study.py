@@ -16,6 +16,7 @@ from lfdcore.cli.study_backwards import study_backwards
 from lfdcore.cli.study_covering import study_covering
 from lfdcore.cli.study_goals import study_goals
 from lfdcore.cli.study_handovers import study_handovers
+from lfdcore.cli.study_joints import study_joints
 from lfdcore.cli.study_learning_curve import study_learning_curve
 from lfdcore.cli.study_passing import study_passing
 from lfdcore.cli.study_sequences import study_sequences
@@ -170,3 +171,4 @@ app.command("backwards")(study_backwards)
 app.command("passing")(study_passing)
 app.command("handovers")(study_handovers)
 app.command("sequences")(study_sequences)
+app.command("joints")(study_joints)

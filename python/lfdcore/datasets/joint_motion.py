@@ -40,7 +40,7 @@ class JointMotion:
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
         for key in ("time", "positions", "velocities"):
-            object.__setattr__(self, key, np.array(getattr(self, key), np.float64))
+            object.__setattr__(self, key, np.array(getattr(self, key), np.float64, order="C"))  # as CDR wants rows
         if not self.names or len(set(self.names)) < len(self.names) or not all(self.names):
             raise ValueError(f"joints are {', '.join(self.names) or 'none'}, each must have a name of its own")
         if self.time.ndim != 1 or not len(self.time):
@@ -93,7 +93,6 @@ def write_joint_motion(motion: JointMotion, path: str | os.PathLike[str]) -> Non
 
 def read_joint_motion(path: str | os.PathLike[str]) -> JointMotion:
     """From .mcap. DataError for what holds no such message or a damaged one; OSError if it cannot be opened."""
-    from mcap.exceptions import McapError
     from mcap.reader import make_reader
 
     source = Path(path)
@@ -105,7 +104,7 @@ def read_joint_motion(path: str | os.PathLike[str]) -> JointMotion:
             if found is None:
                 raise ValueError(f"holds nothing on {TOPIC}")
             return _motion_of(ros.deserialize(found[2].data, _TYPE))
-        except (McapError, ValueError, KeyError, IndexError, AssertionError, EOFError, RuntimeError) as broken:
+        except Exception as broken:  # mcap, rosbags and struct raise whatever garbled bytes lead them to
             raise DataError(f"{source}: {' '.join(str(broken).split()) or type(broken).__name__}") from broken
 
 
@@ -119,10 +118,10 @@ def _motion_of(message: Any) -> JointMotion:
 
 
 def _mcap(motion: JointMotion) -> bytes:
-    from mcap.writer import Writer
+    from mcap.writer import CompressionType, Writer
 
     out = io.BytesIO()
-    writer = Writer(out, use_chunking=False, enable_data_crcs=True)
+    writer = Writer(out, compression=CompressionType.NONE)  # in a chunk, whose CRC readers check
     writer.start(profile="ros2", library=f"lfdcore {lfdcore.__version__}")
     schema = writer.register_schema(_TYPE, "ros2msg", ros.schema(_TYPE))
     channel = writer.register_channel(TOPIC, "cdr", schema)

@@ -26,8 +26,8 @@ _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 def gripper_poses(names: Sequence[str], motion: ArrayLike) -> Array:
     """Columns (T, r) by name -> T_base_gripper (T, 4, 4). ValueError unless one gripper's x, y, z, qx, qy, qz, qw are
-    among them, each once."""
-    values = np.asarray(motion, np.float64)
+    among them, each once, and for another r."""
+    values = _of_columns(names, motion)
     places = [[k for k, name in enumerate(names) if name.rpartition(".")[2] == part] for part in _POSE]
     if any(len(found) != 1 for found in places):
         raise ValueError(f"a gripper's pose needs one column each of {', '.join(_POSE)}, got {', '.join(names)}")
@@ -78,14 +78,15 @@ def follow_gripper(
     tool: float = ROBOTIQ_LENGTH,
     posture: ArrayLike | None = None,
     config: FollowConfig | None = None,
+    start: ArrayLike | None = None,
 ) -> ArmMotion:
     """A gripper's columns (T, r) by name at times (T,) [s], in the frame of `base`, as joints inside position and
     velocity limits and, if the robot has collision shapes, clear of itself with its other joints at `posture` (N,) (by
     default as resting_posture).
 
     tip: the link that carries the gripper, by default left_hand_link or right_hand_link as the columns' names begin;
-    tool: [m] from it to where the gripper grasps, along z. ValueError for columns that are no pose, unknown links, and
-    as follow_poses.
+    tool: [m] from it to where the gripper grasps, along z; start: (n,) posture from which the first pose's is sought,
+    by default the best of several. ValueError for columns that are no pose, unknown links, and as follow_poses.
     """
     chain = robot.chain(base, tip or _hand(names), robotiq_tool(tool))
     surroundings = SelfCollision(robot) if robot.collision_shapes else None
@@ -93,6 +94,7 @@ def follow_gripper(
         chain,
         time,
         gripper_poses(names, motion),
+        None if start is None else np.asarray(start, np.float64),
         config=config or FollowConfig(),
         self_collision=surroundings,
         posture=None if surroundings is None else (resting_posture(robot) if posture is None else posture),
@@ -106,8 +108,14 @@ def follow_gripper(
 
 def follow_joints(robot: RobotModel, names: Sequence[str], time: ArrayLike, motion: ArrayLike) -> JointMotion:
     """Joint positions (T, r) of the named joints at times (T,) [s], slowed down where they would be faster than the
-    robot's limits. ValueError naming joint, value and bounds for a position outside them."""
-    positions = np.asarray(motion, np.float64)
+    robot's limits. ValueError naming joint, value and bounds for a position outside them, for an unknown joint, what is
+    not finite and another r."""
+    positions = _of_columns(names, motion)
+    unknown = [name for name in names if name not in robot.joint_names]
+    if unknown:
+        raise ValueError(f"{unknown[0]} is none of the robot's joints: {', '.join(robot.joint_names)}")
+    if not np.isfinite(positions).all():
+        raise ValueError("joint positions must be finite")
     limits = robot.limits[[robot.joint_names.index(name) for name in names]]
     outside = (positions < limits[:, 0]) | (positions > limits[:, 1])
     if outside.any():
@@ -121,12 +129,34 @@ def follow_joints(robot: RobotModel, names: Sequence[str], time: ArrayLike, moti
     return JointMotion(tuple(names), slowed - slowed[0], positions, joint_velocities(slowed, positions))
 
 
+def self_clearance(robot: RobotModel, motion: JointMotion, posture: ArrayLike | None = None) -> tuple[float, int]:
+    """Smallest distance [m] of the robot's links along a motion and the sample where it is, its other joints at
+    `posture` (N,) (by default as resting_posture); inf for a robot without collision shapes."""
+    if not robot.collision_shapes:
+        return np.inf, 0
+    surroundings, q = SelfCollision(robot), np.array(resting_posture(robot) if posture is None else posture, np.float64)
+    joints = [robot.joint_names.index(name) for name in motion.names]
+    apart = []
+    for positions in motion.positions:
+        q[joints] = positions
+        apart.append(surroundings.distance(q))
+    return float(np.min(apart)), int(np.argmin(apart))
+
+
 def resting_posture(robot: RobotModel) -> Array:
     """(N,) Baxter's neutral posture; of another robot the middle of each joint's range, 0 where it has none."""
     if robot.name == "baxter":
         return neutral_posture(robot)
-    middle = robot.limits[:, :2].mean(axis=1)
-    return np.where(np.isfinite(middle), middle, 0.0)
+    low, high = robot.limits[:, 0], robot.limits[:, 1]
+    bounded = np.isfinite(low) & np.isfinite(high)
+    return np.where(bounded, (np.where(bounded, low, 0) + np.where(bounded, high, 0)) / 2, 0.0)
+
+
+def _of_columns(names: Sequence[str], motion: ArrayLike) -> Array:
+    values = np.asarray(motion, np.float64)
+    if values.ndim != 2 or values.shape[1] != len(names):
+        raise ValueError(f"motion has shape {values.shape}, must be (T, {len(names)}): {', '.join(names)}")
+    return values
 
 
 def _hand(names: Sequence[str]) -> str:

@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.kinematics import KinematicChain, RobotModel, solve_inverse_kinematics
+from lfdcore.humanoid.covering import Capsule
+from lfdcore.kinematics import InverseKinematics, KinematicChain, RobotModel, SelfCollision
 
 Side = Literal["left", "right"]
 
@@ -20,6 +21,12 @@ NEUTRAL: dict[Side, tuple[float, ...]] = {
     "right": (0.08, -1.0, 1.19, 1.94, -0.67, 1.03, 0.50),
 }
 """Rethink's neutral posture of each arm (baxter_interface, Limb.move_to_neutral) [rad], joints s0 to w2."""
+
+
+ARM_PARTS = ("upper arm", "forearm", "hand")
+"""of arm_capsules"""
+_HAND = 0.08
+"""[m] beyond the hand's plate that the URDF's gripper body reaches"""
 
 
 def neutral_posture(model: RobotModel) -> NDArray[np.float64]:
@@ -49,6 +56,20 @@ def baxter_arm(model: RobotModel, side: Side, T_hand_tool: NDArray[np.float64] |
     return model.chain("base", f"{side}_hand_link", tool)
 
 
+def arm_capsules(model: RobotModel, side: Side, positions: NDArray[np.float64]) -> tuple[Capsule, ...]:
+    """ARM_PARTS at the arm's joint positions (T, 7) [rad], s0 to w2, with the radii of the URDF's collision shapes: s1
+    to e1, e1 to w1, w1 to the end of the gripper's body (its fingers are not among them) [m, base]."""
+    q, joints = neutral_posture(model), [model.joint_names.index(name) for name in baxter_arm(model, side).joint_names]
+    links = [f"{side}_{name}" for name in ("lower_shoulder", "lower_elbow", "lower_forearm", "hand_link")]
+    ends = np.zeros((len(links), len(positions), 3))
+    for k, row in enumerate(positions):
+        q[joints] = row
+        for place, link in enumerate(links):
+            pose = model.forward(q, link)
+            ends[place, k] = pose[:3, 3] + (_HAND * pose[:3, 2] if link.endswith("hand_link") else 0)
+    return tuple(Capsule(ends[k], ends[k + 1], radius) for k, radius in enumerate((0.06, 0.06, 0.045)))
+
+
 def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:
     """T_hand_tool (4, 4) of a gripper that grasps `length` [m] beyond the plate along its z axis.
 
@@ -64,15 +85,28 @@ def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:
 
 def holding_posture(model: RobotModel, side: Side, place: tuple[float, float, float]) -> NDArray[np.float64]:
     """(N,) [rad]: neutral_posture, but the gripper of `side` holds its tool at `place` [m, base], pointing forward and
-    down. ValueError where no posture reaches it."""
+    down. Of the postures met from 24 fixed seeds that which keeps the robot's links farthest apart: the first that
+    comes along may have its elbow in the head. ValueError where none reaches the place or all touch."""
+    chain, q, surroundings = baxter_arm(model, side), neutral_posture(model), SelfCollision(model)
+    joints = [model.joint_names.index(name) for name in chain.joint_names]
+    solver, seeds = InverseKinematics(chain), np.random.default_rng(0).uniform(chain.lower, chain.upper, (23, 7))
+    postures, apart = [], []
+    for seed in [q[joints], *seeds]:
+        found = solver.solve(_forward_and_down(place), seed)
+        if not found.solved:
+            raise ValueError(f"the {side} gripper cannot hold at {place} m: {found.position_error:.3f} m away at best")
+        q[joints] = found.joints
+        postures.append(q.copy())
+        apart.append(surroundings.distance(q))
+    if max(apart) < 0:
+        raise ValueError(f"the {side} gripper cannot hold at {place} m: links touch in all postures found")
+    return postures[int(np.argmax(apart))]
+
+
+def _forward_and_down(place: tuple[float, float, float]) -> NDArray[np.float64]:
+    """T_base_tool (4, 4) at `place` [m], its z axis 20 degrees below the horizontal."""
     down = np.radians(110)
     pose = np.eye(4)
     pose[:3, :3] = [[np.cos(down), 0, np.sin(down)], [0, 1, 0], [-np.sin(down), 0, np.cos(down)]]
     pose[:3, 3] = place
-    chain, q = baxter_arm(model, side), neutral_posture(model)
-    joints = [model.joint_names.index(name) for name in chain.joint_names]
-    found = solve_inverse_kinematics(chain, pose, seed=q[joints])
-    if not found.solved:
-        raise ValueError(f"the {side} gripper cannot hold at {place} m: {found.position_error:.3f} m away at best")
-    q[joints] = found.joints
-    return q
+    return pose

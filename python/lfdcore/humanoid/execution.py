@@ -19,6 +19,8 @@ RATE = 100.0
 """[Hz] of targets"""
 START_TOLERANCE = 0.05
 """[rad or m] within which a robot must be where a motion begins"""
+FASTEST = 10_000.0
+"""[Hz] of targets at most"""
 _SLACK = 1e-9
 
 
@@ -39,12 +41,14 @@ class KinematicRobot:
 
     def __init__(self, positions: ArrayLike, limits: ArrayLike, names: Sequence[str]) -> None:
         """positions (N,), limits (N, 3): lower, upper [rad or m], velocity [rad/s or m/s] as RobotModel.limits.
-        ValueError for other shapes and a position outside."""
+        ValueError for other shapes, a velocity limit that is not >= 0 and a position outside."""
         self._positions = np.array(positions, np.float64)
         self._limits, self._names = np.array(limits, np.float64), tuple(names)
         if self._positions.shape != (len(self._names),) or self._limits.shape != (len(self._names), 3):
             shapes = f"{self._positions.shape} and {self._limits.shape}"
             raise ValueError(f"positions and limits of {len(self._names)} joints have shapes {shapes}")
+        if not (self._limits[:, 2] >= 0).all():
+            raise ValueError(f"velocity limits are {self._limits[:, 2].tolist()}, must be >= 0 rad/s or m/s")
         self._require_inside(self._positions)
 
     @property
@@ -53,7 +57,10 @@ class KinematicRobot:
         return self._positions.copy()
 
     def command(self, targets: Array, duration: float) -> None:
-        """Moves for `duration` [s]. ValueError, and it stays, for targets that are not finite or outside the limits."""
+        """Moves for `duration` [s]. ValueError, and it stays, for targets that are not finite or outside the limits and
+        a duration that is not finite and >= 0."""
+        if not 0 <= duration < np.inf:
+            raise ValueError(f"duration is {duration} s, must be finite and >= 0")
         wanted = np.asarray(targets, np.float64)
         self._require_inside(wanted)
         farthest = self._limits[:, 2] * duration
@@ -115,11 +122,11 @@ def stream(
     """Commands a target every 1 / rate [s] until the motion's end, yielding each tick as it is done: who iterates sets
     the pace. `stop`, asked before each tick with the time [s], aborts: the robot is told to stay where it is.
 
-    ValueError for a rate that is not > 0 and finite, and, before anything moves, for a robot that is not where the
+    ValueError for a rate that is not > 0 and <= FASTEST, and, before anything moves, for a robot that is not where the
     motion begins (within START_TOLERANCE).
     """
-    if not 0 < rate < np.inf:
-        raise ValueError(f"rate is {rate} Hz, must be > 0 and finite")
+    if not 0 < rate <= FASTEST:
+        raise ValueError(f"rate is {rate} Hz, must be > 0 and <= {FASTEST:g} Hz")
     _require_at_start(motion, robot)
     period = 1 / rate
     for tick in range(1, int(np.ceil(motion.duration * rate - 1e-9)) + 1):
@@ -150,7 +157,8 @@ def execute(
 
 
 def in_real_time(motion: JointMotion, robot: Robot, progress: Callable[[float], None], rate: float = RATE) -> Execution:
-    """As execute, each tick at its time; told [s] of progress. Ctrl-C (SIGINT) aborts."""
+    """As execute, each tick at its time; told [s] of progress. Ctrl-C (SIGINT) aborts: it
+    waits for no tick. Only in a program's main thread, which alone may listen to signals."""
     interrupted = threading.Event()
     before = signal.signal(signal.SIGINT, lambda number, frame: interrupted.set())
     begin = monotonic()
@@ -166,6 +174,8 @@ def in_real_time(motion: JointMotion, robot: Robot, progress: Callable[[float], 
 
 
 def _require_at_start(motion: JointMotion, robot: Robot) -> None:
+    if robot.positions.shape != motion.positions[0].shape:
+        raise ValueError(f"the robot has {len(robot.positions)} joints, the motion {len(motion.names)}")
     off = np.abs(robot.positions - motion.positions[0])
     if off.max() > START_TOLERANCE:
         k = int(off.argmax())

@@ -168,7 +168,9 @@ def handover_headline(results: Sequence[TaskErrors], study: HandoverStudy) -> st
     for result in results:
         errors = result.errors[:, :, at, 0]
         ip, tempo, mean, near = (1e3 * errors[:, k].mean() for k in (WARPED, LIKELIEST, MEAN, NEAREST))
-        said = [_verdict(result, at, way, other, study.seed) for way in (WARPED, LIKELIEST) for other in (MEAN, NEAREST)]
+        said = [
+            _verdict(result, at, way, other, study.seed) for way in (WARPED, LIKELIEST) for other in (MEAN, NEAREST)
+        ]
         parts.append(
             f"{result.task.name} (n = {len(result.task.recordings)}): IP with DTW {ip:.0f} mm, {said[0]} the mean "
             f"trajectory ({mean:.0f}) and {said[1]} the nearest demonstration ({near:.0f}); with the likeliest phase "
