@@ -194,7 +194,7 @@ def test_what_more_that_is_seen_is_worth_is_paired(dynamic: Path) -> None:
     hands, skeleton = handover_tasks([dynamic])
     results = run_handover_study(HandoverStudy(tasks=(hands, skeleton), splits=1, seed=3), **QUIET)
     (table,) = seen_tables(results, 3)
-    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP"), :, 0]
+    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP, phase by time warping"), :, 0]
     assert [int(cell.split("\n")[0]) for cell in table.rows[0][1:]] == pytest.approx(apart, abs=0.51)
     assert seen_tables(results[:1], 3) == []
 
@@ -213,7 +213,7 @@ def test_on_kth_ip_beats_the_mean_once_it_knows_the_phase(data_folder: Path) -> 
     errors = HandoverSplit(tasks[0], 0, 1).run().errors.mean(axis=0)[:, :, 0]
     at = SHARES.index(0.5)
     told, by_dtw, mean = (
-        METHODS.index(name) for name in ("oracle: IP told the phase", "IP, positions", "mean trajectory")
+        METHODS.index(name) for name in ("oracle: IP told the phase", "IP, phase by time warping", "mean trajectory")
     )
     assert errors[told, at] < 0.8 * errors[mean, at]
     assert errors[told, -1] < 0.7 * errors[by_dtw, -1]
