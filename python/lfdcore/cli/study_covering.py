@@ -13,7 +13,10 @@ from lfdcore.cli.common import JsonOption, Stages, print_json, progress_bar
 
 
 def study_covering(
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the report and its figures.")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="Folder for the report, its figures and one repetition's demonstrations."),
+    ],
     seeds: Annotated[int, typer.Option(min=1, help="Repetitions, each with demonstrations of its own.")] = 10,
     people: Annotated[int, typer.Option(min=1, help="Unseen people an object and repetition.")] = 5,
     processes: Annotated[int | None, typer.Option(min=1, help="Default: one a core.")] = None,
@@ -27,9 +30,11 @@ def study_covering(
     from lfdcore.study.covering import CoveringStudy, run_covering_study
     from lfdcore.study.covering_report import covering_headline, write_covering_report
     from lfdcore.study.covering_tables import aims, covering_tables
+    from lfdcore.study.covering_task import covering_data, write_demonstrations
 
     output.mkdir(parents=True, exist_ok=True)
     study = CoveringStudy(seeds=seeds, seed=seed, held_out=people)
+    write_demonstrations(output / "demonstrations", covering_data(seed=seed, held_out=1))
     with progress_bar() as bar:
         result = run_covering_study(study, partial(Stages(bar), "learn and judge"), processes)
     words = ["lfdcore", "study", "covering", "-o", "out", "--seeds", str(seeds), "--people", str(people)]

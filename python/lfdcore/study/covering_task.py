@@ -33,6 +33,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,6 +196,18 @@ def covering_data(
         for kind, objects in ((1, protocol.training), (2, protocol.novel))
     )
     return CoveringData(protocol, tuple(training), known, novel)
+
+
+def write_demonstrations(folder: Path, data: CoveringData) -> None:
+    """As files: demo-NN.npz to learn from, and for each object, known or novel, a person not seen in training,
+    new-OBJECT.npz, with the scene alone in new-OBJECT.json."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for k, one in enumerate(data.training):
+        one.save(folder / f"demo-{k:02d}.npz")
+    for name, people in {**data.known, **data.novel}.items():
+        stem = folder / f"new-{name.replace(' ', '-')}"
+        people[0].save(stem.with_suffix(".npz"))
+        stem.with_suffix(".json").write_text(json.dumps(people[0].environment, indent=2) + "\n")
 
 
 @dataclass(frozen=True)

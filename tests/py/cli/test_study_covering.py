@@ -9,7 +9,7 @@ import pytest
 from calling import run
 
 from lfdcore.study import covering
-from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH
+from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH, covering_data, write_demonstrations
 from lfdcore.training.collaborations import NoiseChoice
 
 WORDS = ("study", "covering", "--seeds", "1", "--people", "1", "--seed", "101", "--processes", "1")
@@ -44,3 +44,17 @@ def test_a_study_without_seeds_is_refused(monkeypatch, capsys, tmp_path: Path) -
     code, _, err = run(monkeypatch, capsys, "study", "covering", "-o", tmp_path, "--seeds", "0")
     assert code == 2
     assert "--seeds" in err
+
+
+def test_its_demonstrations_can_be_learned_from_and_collaborated_with(monkeypatch, capsys, tmp_path: Path) -> None:
+    write_demonstrations(tmp_path, covering_data(seed=100, held_out=1))
+    demos = sorted(str(path) for path in tmp_path.glob("demo-*.npz"))
+    assert len(demos) == 40
+    assert len(list(tmp_path.glob("new-*.npz"))) == len(list(tmp_path.glob("new-*.json"))) == 8
+    model = tmp_path / "model.safetensors"
+    code, _, err = run(monkeypatch, capsys, "learn", "collaboration", *demos[::4], "-o", model)
+    assert code == 0, err
+    shelf = ["--observe", str(tmp_path / "new-shelf.npz"), "--environment", str(tmp_path / "new-shelf.json")]
+    code, out, err = run(monkeypatch, capsys, "collaborate", model, *shelf, "--until", "1.5")
+    assert code == 0, err
+    assert "followed inside all limits" in out
