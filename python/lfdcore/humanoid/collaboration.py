@@ -112,11 +112,11 @@ class CollaborationInference:
 
     def robot_motion(self) -> Array:
         """(steps, r) the robot's recorded columns: the posterior's mean."""
-        return self.columns.recorded(self.posterior.trajectory(self.steps).mean[:, self.partner_columns :])
+        return self.columns.recorded(self.posterior.robot.rollout(self.steps).positions)
 
     def partner_motion(self) -> Array:
         """(steps, n) the partner's, as expected."""
-        return np.array(self.posterior.trajectory(self.steps).mean[:, : self.partner_columns])
+        return np.array(self.posterior.partner.rollout(self.steps).positions)
 
     def robot_deviation(self) -> Array:
         """(steps, r') standard deviations of the learned columns."""
@@ -209,7 +209,7 @@ class CollaborationModel:
         if self.config.phase == "likeliest":
             share = likeliest_share(self.primitive, followed, self.duration, given)
         posterior = condition_at(self.primitive, followed, share, given)
-        duration = float(followed.active[-1]) / share if share > 0 else self.duration  # 1 / tau = T'/t* (F14)
+        duration = followed.moved / share if share > 0 else self.duration  # 1 / tau = T'/t* (F14)
         return self._inference(posterior, followed.phase, share, duration)
 
     def _inference(

@@ -17,9 +17,9 @@ from lfdcore.primitives import InteractionPosterior, InteractionPrimitive, Partn
 Array = NDArray[np.float64]
 TEMPO_DEVIATION = 0.5
 """of the logarithm of a partner's tempo, before anything is seen: half or twice as fast is 1.4 of it"""
-_COARSE, _FINE = 40, 9
-"""shares that are tried: over the whole motion, then around the best"""
-_MOST = 80
+_COARSE, _FINE = 20, 7
+"""shares that are tried: over the whole motion, then twice around the best"""
+_MOST = 60
 """samples that a share is judged by"""
 
 
@@ -33,6 +33,8 @@ class Followed:
     """(K,) [s] in motion until each sample, from 0"""
     samples: Array
     """(K, n)"""
+    moved: float
+    """[s] in motion so far"""
     warped_share: float
     """of the motion, by time warping: (t* - 1) / (n_ref - 1) (ERRATA 38)"""
 
@@ -47,14 +49,15 @@ def follow(reference: Array, duration: float, stamp: Array, samples: Array) -> F
     moving[0] = True
     active = np.append(0.0, np.cumsum(np.diff(stamp) * moving[1:]))[moving]
     if not last.determined or last.index < 1 or not active[-1] > 0:
-        return Followed(last, np.zeros(1), samples[-1:], 0.0)
-    return Followed(last, active, samples[moving], last.index / (len(reference) - 1))
+        return Followed(last, np.zeros(1), samples[-1:], 0.0, 0.0)
+    return Followed(last, active, samples[moving], float(active[-1]), last.index / (len(reference) - 1))
 
 
 def _thinned(followed: Followed) -> Followed:
-    """At most _MOST of the samples, evenly chosen, the last among them."""
-    count = len(followed.active)
-    kept = np.unique(np.linspace(0, count - 1, min(count, _MOST)).round().astype(np.int64))
+    """At most _MOST of the samples, evenly chosen: of those that were wholly seen, if there are as many."""
+    whole = np.flatnonzero(~np.isnan(followed.samples).any(axis=1))
+    some = whole if len(whole) >= _MOST else np.arange(len(followed.active))
+    kept = some[np.unique(np.linspace(0, len(some) - 1, min(len(some), _MOST)).round().astype(np.int64))]
     return replace(followed, active=followed.active[kept], samples=followed.samples[kept])
 
 
@@ -62,7 +65,7 @@ def condition_at(
     primitive: InteractionPrimitive, followed: Followed, share: float, environment: Array | None
 ) -> InteractionPosterior:
     """p(theta | partner, e) with the samples spread evenly over the way to `share`, as the thesis resamples them."""
-    shares = share * followed.active / max(float(followed.active[-1]), 1e-12)
+    shares = share * followed.active / max(followed.moved, 1e-12)
     phases = np.exp(-float(primitive.config.dmp.phase_decay) * shares)
     return primitive.condition(followed.samples, phases, environment)
 
@@ -77,11 +80,14 @@ def likeliest_share(
     thinned = _thinned(followed)
 
     def score(share: float) -> float:
-        tempo = share * duration / float(followed.active[-1])
+        tempo = share * duration / followed.moved
         seen = condition_at(primitive, thinned, share, environment).log_likelihood
         return float(seen - 0.5 * (np.log(tempo) / TEMPO_DEVIATION) ** 2)
 
-    coarse = np.arange(1, _COARSE + 1) / _COARSE
-    best = max(coarse.tolist(), key=score)
-    fine = np.linspace(best - 1 / _COARSE, min(best + 1 / _COARSE, 1.0), _FINE)
-    return float(max((share for share in fine.tolist() if share > 0), key=score))
+    step = 1 / _COARSE
+    best = max((np.arange(1, _COARSE + 1) * step).tolist(), key=score)
+    for _ in range(2):
+        fine = np.linspace(best - step, min(best + step, 1.0), _FINE)
+        best = max((share for share in fine.tolist() if share > 0), key=score)
+        step *= 2 / (_FINE - 1)
+    return float(best)

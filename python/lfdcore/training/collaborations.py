@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording, environments
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel, evenly
+from lfdcore.humanoid.pose_columns import PoseColumns
 
 Progress = Callable[[int, int], None]
 
@@ -70,14 +71,13 @@ def left_out_errors(
     squares = np.full((len(candidates), folds), np.nan)
     for fold in range(folds):
         kept = [one for k, one in enumerate(demonstrations) if k % folds != fold]
-        left_out = demonstrations[fold::folds]
+        left_out = [_LeftOut.of(one, choice.shares, candidates[0]) for one in demonstrations[fold::folds]]
         for k, config in enumerate(candidates):
             if config.environment and not _varies(kept):
                 continue
             model = CollaborationModel.fit(kept, config)
-            squares[k, fold] = np.mean(
-                [_square_error(model, one, share) for one in left_out for share in choice.shares]
-            )
+            errors = [one.square_error(model, partial) for one in left_out for partial in one.partials]
+            squares[k, fold] = np.mean(errors)
             tell(fold * len(candidates) + k + 1, folds * len(candidates))
     seen = np.isfinite(squares)
     folds_seen = np.where(seen.any(axis=1), seen.sum(axis=1), np.nan)
@@ -90,9 +90,24 @@ def _varies(demonstrations: Sequence[InteractionRecording]) -> bool:
     return bool((np.ptp(values, axis=0) > 0).all())
 
 
-def _square_error(model: CollaborationModel, one: InteractionRecording, share: float) -> float:
-    said = model.infer(one.partial(share=share), one.environment if model.environment_names else None)
-    truth = evenly(one, model.config).robot
-    middle = np.broadcast_to(model.robot.mean(truth), truth.shape)
-    spread = np.maximum(np.sqrt(np.mean(model.robot.difference(truth, middle) ** 2, axis=0)), 1e-9)
-    return float(np.mean((model.robot.difference(said.robot_motion(), truth) / spread) ** 2))
+@dataclass(frozen=True, eq=False)
+class _LeftOut:
+    """A demonstration, prepared for being foretold again and again."""
+
+    partials: tuple[InteractionRecording, ...]
+    environment: dict[str, float]
+    motion: NDArray[np.float64]
+    """(steps, r) the robot's recorded columns"""
+    spread: NDArray[np.float64]
+    """(r',) their standard deviation over time"""
+
+    @staticmethod
+    def of(one: InteractionRecording, shares: Sequence[float], config: CollaborationConfig) -> _LeftOut:
+        motion, columns = evenly(one, config).robot, PoseColumns.of(one.robot_names, [one.robot])
+        apart = columns.difference(motion, np.broadcast_to(columns.mean(motion), motion.shape))
+        spread = np.maximum(np.sqrt(np.mean(apart**2, axis=0)), 1e-9)
+        return _LeftOut(tuple(one.partial(share=share) for share in shares), one.environment, motion, spread)
+
+    def square_error(self, model: CollaborationModel, partial: InteractionRecording) -> float:
+        said = model.infer(partial, self.environment if model.environment_names else None)
+        return float(np.mean((model.robot.difference(said.robot_motion(), self.motion) / self.spread) ** 2))

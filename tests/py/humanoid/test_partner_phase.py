@@ -72,7 +72,7 @@ def test_it_is_the_maximum_over_all_shares(primitive: InteractionPrimitive) -> N
     found = likeliest_share(primitive, one, DURATION, None)
     scores = {
         share: condition_at(primitive, one, share, None).log_likelihood
-        - 0.5 * (np.log(share * DURATION / one.active[-1]) / 0.5) ** 2
+        - 0.5 * (np.log(share * DURATION / one.moved) / 0.5) ** 2
         for share in np.linspace(0.005, 1, 200)
     }
     assert found == pytest.approx(max(scores, key=lambda share: scores[share]), abs=0.006)
