@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
 from lfdcore.study.passing_task import Rectangle, demonstrate_passing
-from lfdcore.training.collaborations import NoiseChoice, _square_error, learn_collaboration, left_out_errors
+from lfdcore.training.collaborations import NoiseChoice, _LeftOut, learn_collaboration, left_out_errors
 
 CONFIG = CollaborationConfig(steps=60)
 CHOICE = NoiseChoice(factors=(1.0, 100.0, 1e4), folds=3, shares=(0.1, 0.6))
@@ -98,7 +98,8 @@ def test_orientations_beyond_half_a_turn_from_the_reference_can_be_judged() -> N
     with pytest.raises(ValueError, match="turned by"):  # it cannot be learned from
         left_out_errors(demonstrations, candidates, choice)
     last_alone = [demonstrations[k] for k in (6, 0, 1, 2, 3)]
-    assert np.isfinite(_square_error(kept, last_alone[0], 0.5))
+    one = _LeftOut.of(last_alone[0], (0.5,), kept.config)
+    assert np.isfinite(one.square_error(kept, one.partials[0]))
 
 
 @given(st.integers(0, 2**20))
