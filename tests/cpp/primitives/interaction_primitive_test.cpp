@@ -37,7 +37,7 @@ Demonstrations demonstrations(int count, int partner_dimensions) {
 }
 
 // Counts on either side of a vector's lanes: padding must not be read as data, nor data be written past it.
-TEST(InteractionPrimitive, OneByOneIsAllAtOnceForCountsAroundTheLanes) {
+TEST(InteractionPrimitive, one_by_one_is_all_at_once_for_counts_around_the_lanes) {
   for (const int count : {2, 7, 8, 9}) {
     for (const int dimensions : {1, 3, 9}) {
       const Demonstrations taught = demonstrations(count, dimensions);
@@ -55,7 +55,7 @@ TEST(InteractionPrimitive, OneByOneIsAllAtOnceForCountsAroundTheLanes) {
   }
 }
 
-TEST(InteractionPrimitive, ForcingOfFewerThanThreeSamplesInARowSaysNothing) {
+TEST(InteractionPrimitive, forcing_of_fewer_than_three_samples_in_a_row_says_nothing) {
   const Demonstrations taught = demonstrations(5, 2);
   const auto primitive = InteractionPrimitive::fit(taught.partner, taught.robot, std::nullopt);
   RowMatrix seen = taught.partner[0].topRows(8);
@@ -65,7 +65,7 @@ TEST(InteractionPrimitive, ForcingOfFewerThanThreeSamplesInARowSaysNothing) {
   EXPECT_EQ(posterior.mean(), prior.mean());
 }
 
-TEST(InteractionPrimitive, TrajectoriesCovariancesAndSamplesHaveTheStatedShapes) {
+TEST(InteractionPrimitive, trajectories_covariances_and_samples_have_the_stated_shapes) {
   const Demonstrations taught = demonstrations(4, 3);
   const auto primitive = InteractionPrimitive::fit(taught.partner, taught.robot, std::nullopt);
   const auto prior = primitive.condition(RowMatrix(0, 3), Eigen::VectorXd(0), std::nullopt);
