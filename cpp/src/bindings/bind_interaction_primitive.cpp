@@ -11,7 +11,7 @@ namespace {
 
 using Config = InteractionPrimitiveConfig;
 using OptionalVector = std::optional<Eigen::VectorXd>;
-using OptionalSeries = std::optional<Series>;
+using OptionalSeries = std::optional<RowMatrix>;
 
 Config config_of(const DmpConfig& dmp, const std::string& observe, std::optional<double> noise,
                  double environment_noise, bool printed_environment_weights) {
@@ -31,10 +31,10 @@ py::array cube(const double* values, Eigen::Index a, Eigen::Index b, Eigen::Inde
   return py::array_t<double>({a, b, c}, values, owner);
 }
 
-py::array stacked(const std::vector<Series>& motions, Eigen::Index steps, Eigen::Index dimensions) {
+py::array stacked(const std::vector<RowMatrix>& motions, Eigen::Index steps, Eigen::Index dimensions) {
   py::array_t<double> all({static_cast<Eigen::Index>(motions.size()), steps, dimensions});
   double* at = all.mutable_data();
-  for (const Series& motion : motions) at = std::copy_n(motion.data(), motion.size(), at);
+  for (const RowMatrix& motion : motions) at = std::copy_n(motion.data(), motion.size(), at);
   return all;
 }
 
@@ -100,7 +100,7 @@ void bind_posterior(py::module_& m) {
       .def(
           "sample_trajectories",
           [](const Posterior& self, int count, int steps, std::uint64_t seed) {
-            std::vector<Series> motions;
+            std::vector<RowMatrix> motions;
             {
               const py::gil_scoped_release free;
               motions = self.sample_trajectories(count, steps, seed);
@@ -143,8 +143,9 @@ void bind_interaction_primitive(py::module_& m) {
       m, "InteractionPrimitive",
       "A Gaussian over the parameters of S demonstrations of partner and robot (5.6-5.9), and of the environment "
       "(5.16-5.19), conditioned on what is seen (5.15 in its S x S form, ERRATA 40).")
-      .def(py::init<const Series&, const Series&, const OptionalSeries&, int, const Config&>(), py::arg("parameters"),
-           py::arg("starts"), py::arg("environment"), py::arg("partner_dimensions"), py::arg("config"),
+      .def(py::init<const RowMatrix&, const RowMatrix&, const OptionalSeries&, int, const Config&>(),
+           py::arg("parameters"), py::arg("starts"), py::arg("environment"), py::arg("partner_dimensions"),
+           py::arg("config"),
            "From another primitive's attributes of the same names, with the same answers. parameters (S, N (M + 1)), "
            "starts (S, N), environment (S, E) or None, config.noise set. ValueError for shapes that do not fit, what "
            "is not finite and an environment column that does not vary.")
@@ -158,7 +159,7 @@ void bind_interaction_primitive(py::module_& m) {
           "condition",
           [](const Primitive& self, const OptionalSeries& partner, const OptionalVector& phase,
              const OptionalVector& environment) {
-            const Series none(0, self.partner_dimensions());
+            const RowMatrix none(0, self.partner_dimensions());
             return self.condition(partner ? *partner : none, phase ? *phase : Eigen::VectorXd(), environment);
           },
           py::arg("partner") = py::none(), py::arg("phase") = py::none(), py::arg("environment") = py::none(),
@@ -184,8 +185,8 @@ void bind_interaction_primitive(py::module_& m) {
             return py::make_tuple(p.parameters(), p.starts(), p.environment(), p.partner_dimensions(), p.config());
           },
           [](const py::tuple& t) {
-            return Primitive(t[0].cast<Series>(), t[1].cast<Series>(), t[2].cast<OptionalSeries>(), t[3].cast<int>(),
-                             t[4].cast<Config>());
+            return Primitive(t[0].cast<RowMatrix>(), t[1].cast<RowMatrix>(), t[2].cast<OptionalSeries>(),
+                             t[3].cast<int>(), t[4].cast<Config>());
           }));
   m.def("partner_forcing", &partner_forcing, py::arg("positions"), py::arg("phase"), py::arg("config") = DmpConfig{},
         without_gil(),

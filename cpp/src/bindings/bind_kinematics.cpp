@@ -274,10 +274,10 @@ FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, co
                     const std::optional<SelfCollision>& self_collision,
                     const std::optional<py::array_t<double>>& posture) {
   const auto poses = poses_from(T_base_tool);
-  JointRows rows;
+  RowMatrix rows;
   if (posture) {
     const bool one = posture->ndim() == 1;
-    rows = one ? JointRows(posture->cast<Eigen::VectorXd>().transpose()) : posture->cast<JointRows>();
+    rows = one ? RowMatrix(posture->cast<Eigen::VectorXd>().transpose()) : posture->cast<RowMatrix>();
   }
   require(self_collision.has_value() == posture.has_value(), "self_collision and posture belong together");
   std::optional<Surroundings> surroundings;

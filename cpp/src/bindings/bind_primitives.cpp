@@ -112,12 +112,12 @@ void bind_dmp(py::module_& m) {
   py::class_<Dmp>(m, "Dmp",
                   "A dynamic movement primitive of D degrees of freedom (5.1-5.4): y'' = (alpha_y (beta_y (g - y) - y' "
                   "/ tau) + phi(x)^T w) tau^2, x' = -alpha_x x tau. tau is a rate, 1 / duration (ERRATA 34).")
-      .def(py::init<Eigen::VectorXd, Eigen::VectorXd, Series, const DmpConfig&>(), py::arg("start"), py::arg("goal"),
+      .def(py::init<Eigen::VectorXd, Eigen::VectorXd, RowMatrix, const DmpConfig&>(), py::arg("start"), py::arg("goal"),
            py::arg("weights"), py::arg("config") = DmpConfig{},
            "start (D,), goal (D,), weights (D, M). ValueError for other shapes and what is not finite.")
       .def_static(
           "fit",
-          [](const Series& positions, const DmpConfig& config, const std::string& by) {
+          [](const RowMatrix& positions, const DmpConfig& config, const std::string& by) {
             return Dmp::fit(positions, config, observed_of("by", by));
           },
           py::arg("positions"), py::arg("config") = DmpConfig{}, py::kw_only(),
@@ -157,7 +157,7 @@ void bind_dmp(py::module_& m) {
       .def_property_readonly("dimensions", &Dmp::dimensions, "D")
       .def(py::pickle([](const Dmp& d) { return py::make_tuple(d.start(), d.goal(), d.weights(), d.config()); },
                       [](const py::tuple& t) {
-                        return Dmp(t[0].cast<Eigen::VectorXd>(), t[1].cast<Eigen::VectorXd>(), t[2].cast<Series>(),
+                        return Dmp(t[0].cast<Eigen::VectorXd>(), t[1].cast<Eigen::VectorXd>(), t[2].cast<RowMatrix>(),
                                    t[3].cast<DmpConfig>());
                       }));
 }

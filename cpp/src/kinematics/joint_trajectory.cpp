@@ -55,7 +55,7 @@ class Follower {
 
   SelfDistance nearest(const JointVector& q, std::size_t sample) const {
     if (!surroundings_) return {.distance = std::numeric_limits<double>::infinity()};
-    const JointRows& posture = surroundings_->posture;
+    const RowMatrix& posture = surroundings_->posture;
     Eigen::VectorXd all = posture.row(posture.rows() == 1 ? 0 : static_cast<Eigen::Index>(sample)).transpose();
     for (std::size_t i = 0; i < indices_.size(); ++i) all[indices_[i]] = q[static_cast<Eigen::Index>(i)];
     return surroundings_->robot.distance(all);
@@ -64,7 +64,7 @@ class Follower {
   FollowResult follow(const InverseKinematicsResult& first) const {
     FollowResult result;
     result.clearance = std::numeric_limits<double>::infinity();
-    JointRows& positions = result.trajectory.positions;
+    RowMatrix& positions = result.trajectory.positions;
     positions.resize(static_cast<Eigen::Index>(poses_.size()), solver_.chain().size());
     JointVector q = first.joints;
     std::size_t done = 0;
@@ -79,7 +79,7 @@ class Follower {
   /// Less is better: slow, close to itself and close to the joints' limits are bad.
   double cost(const FollowResult& result) const {
     const KinematicChain& chain = solver_.chain();
-    const JointRows& q = result.trajectory.positions;
+    const RowMatrix& q = result.trajectory.positions;
     double room = 1;  // share of half a joint's range to its nearer limit
     for (Eigen::Index j = 0; j < q.cols(); ++j) {
       const double half = 0.5 * (chain.upper()[j] - chain.lower()[j]);
@@ -148,7 +148,7 @@ class Follower {
     JointTrajectory& trajectory = result.trajectory;
     trajectory.positions.conservativeResize(done, Eigen::NoChange);
     trajectory.time = time_.head(done);
-    trajectory.velocities = JointRows::Zero(done, solver_.chain().size());
+    trajectory.velocities = RowMatrix::Zero(done, solver_.chain().size());
     if (done < 2) return;
     const Eigen::VectorXd allowed = config_.velocity_share * solver_.chain().velocity();
     trajectory.time = slow_down(trajectory.time, trajectory.positions, allowed, config_.smoothing);
@@ -190,7 +190,7 @@ void check(const KinematicChain& chain, const Eigen::VectorXd& time, const std::
   require((chain.velocity().array() > 0).all(), "a joint of the chain has a velocity limit of 0");
   for (const auto& pose : poses) require(pose.matrix().allFinite(), "a value of T_base_tool is not finite");
   if (!surroundings) return;
-  const JointRows& posture = surroundings->posture;
+  const RowMatrix& posture = surroundings->posture;
   const auto joints = static_cast<Eigen::Index>(surroundings->robot.model().joint_names().size());
   const bool rows = posture.rows() == 1 || posture.rows() == time.size();
   require(rows && posture.cols() == joints && posture.allFinite(),
@@ -246,7 +246,7 @@ FollowResult follow_poses(const KinematicChain& chain, const Eigen::VectorXd& ti
   return *best;
 }
 
-Eigen::VectorXd slow_down(const Eigen::VectorXd& time, const JointRows& positions, const Eigen::VectorXd& velocity,
+Eigen::VectorXd slow_down(const Eigen::VectorXd& time, const RowMatrix& positions, const Eigen::VectorXd& velocity,
                           double smoothing) {
   require_times(time, positions.rows());
   require(positions.allFinite(), "a value of positions is not finite");
@@ -269,13 +269,13 @@ Eigen::VectorXd slow_down(const Eigen::VectorXd& time, const JointRows& position
   return slowed;
 }
 
-JointRows joint_velocities(const Eigen::VectorXd& time, const JointRows& positions) {
+RowMatrix joint_velocities(const Eigen::VectorXd& time, const RowMatrix& positions) {
   require_times(time, positions.rows());
   require(positions.allFinite(), "a value of positions is not finite");
   const Eigen::VectorXd taken = intervals(time);
   const Eigen::Index last = positions.rows() - 1;
   const auto chord = [&](Eigen::Index i) { return (positions.row(i + 1) - positions.row(i)) / taken[i]; };
-  JointRows found(positions.rows(), positions.cols());
+  RowMatrix found(positions.rows(), positions.cols());
   found.row(0) = chord(0);
   found.row(last) = chord(last - 1);
   for (Eigen::Index i = 1; i < last; ++i)

@@ -27,9 +27,9 @@ Eigen::VectorXd phases(int steps, const DmpConfig& config) {
   return (Eigen::VectorXd::LinSpaced(steps, 0, 1) * -config.phase_decay).array().exp();
 }
 
-Series basis(const Eigen::VectorXd& phase, const DmpConfig& config) {
+RowMatrix basis(const Eigen::VectorXd& phase, const DmpConfig& config) {
   const detail::BasisTable table(config);
-  Series values(phase.size(), config.basis_functions);
+  RowMatrix values(phase.size(), config.basis_functions);
   Eigen::VectorXd row(static_cast<Eigen::Index>(table.width()));
   for (Eigen::Index k = 0; k < phase.size(); ++k) {
     require_between("phase", phase[k], std::numeric_limits<double>::min(), 1, "");

@@ -48,7 +48,7 @@ Eigen::MatrixXd observed_forcing(const Eigen::MatrixXd& positions, const Eigen::
   return forcing;
 }
 
-void require_positions(const Series& positions, const char* name) {
+void require_positions(const RowMatrix& positions, const char* name) {
   constexpr double most = 1e9;
   for (Eigen::Index k = 0; k < positions.rows(); ++k)
     for (Eigen::Index d = 0; d < positions.cols(); ++d)

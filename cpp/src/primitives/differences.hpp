@@ -13,6 +13,6 @@ Eigen::MatrixXd observed_forcing(const Eigen::MatrixXd& positions, const Eigen::
                                  const DmpConfig& config);
 
 /// Throws std::invalid_argument, naming the value, unless all are finite and at most 1e9 in size.
-void require_positions(const Series& positions, const char* name);
+void require_positions(const RowMatrix& positions, const char* name);
 
 }  // namespace lfdcore::detail

@@ -44,7 +44,7 @@ double span_of(const DmpRun& run, double begin) {
 
 }  // namespace
 
-Dmp::Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, Series weights, const DmpConfig& config)
+Dmp::Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, RowMatrix weights, const DmpConfig& config)
     : config_(config), start_(std::move(start)), goal_(std::move(goal)), weights_(std::move(weights)) {
   validate(config_);
   require(start_.size() > 0, "start has no values, must have at least 1");
@@ -54,7 +54,7 @@ Dmp::Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, Series weights, const DmpC
   require(start_.allFinite() && goal_.allFinite() && weights_.allFinite(), "start, goal and weights must be finite");
 }
 
-Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const DmpConfig& config) {
+RowMatrix forcing_terms(const RowMatrix& positions, const Eigen::VectorXd& goal, const DmpConfig& config) {
   require_between("number of samples", double(positions.rows()), 3, 1e7, "samples");
   require(positions.cols() > 0, "positions have 0 dimensions, must have at least 1");
   require_size("goal", goal.size(), positions.cols());
@@ -66,15 +66,15 @@ Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const
 
 namespace {
 
-Dmp fit_forcing(const Series& positions, const DmpConfig& config) {
+Dmp fit_forcing(const RowMatrix& positions, const DmpConfig& config) {
   const Eigen::VectorXd goal = positions.row(positions.rows() - 1);
-  const Series forcing = forcing_terms(positions, goal, config);
+  const RowMatrix forcing = forcing_terms(positions, goal, config);
   const Eigen::MatrixXd phi = basis(phases(static_cast<int>(positions.rows()), config), config);
   return Dmp(positions.row(0), goal, phi.completeOrthogonalDecomposition().solve(forcing).transpose(), config);  // 5.4
 }
 
 // The motion is linear in (w, g, y0). Late weights hardly move it: what is below the threshold stays 0.
-Dmp fit_motion(const Series& positions, const DmpConfig& config) {
+Dmp fit_motion(const RowMatrix& positions, const DmpConfig& config) {
   constexpr double threshold = 1e-6;
   const int steps = static_cast<int>(positions.rows());
   const Eigen::Index M = config.basis_functions;
@@ -88,7 +88,7 @@ Dmp fit_motion(const Series& positions, const DmpConfig& config) {
 
 }  // namespace
 
-Dmp Dmp::fit(const Series& positions, const DmpConfig& config, Observed by) {
+Dmp Dmp::fit(const RowMatrix& positions, const DmpConfig& config, Observed by) {
   validate(config);
   require_between("number of samples", double(positions.rows()), 3, 1e6, "samples");
   require(positions.cols() > 0, "positions have 0 dimensions, must have at least 1");
@@ -103,12 +103,12 @@ DmpTrajectory Dmp::rollout(int steps, const DmpRun& run) const {
   const auto all = detail::response(config_, steps, begin, span);
   const Eigen::Index columns = all->transposed.cols(), group = columns / 3, M = config_.basis_functions;
   const Eigen::Index D = dimensions(), lanes = static_cast<Eigen::Index>(detail::padded(static_cast<std::size_t>(D)));
-  Series parameters = Series::Zero(all->transposed.rows(), lanes);
+  RowMatrix parameters = RowMatrix::Zero(all->transposed.rows(), lanes);
   parameters.topLeftCorner(M, D) = weights_.transpose();
   parameters.row(M).head(D) = goal_;
   parameters.row(M + 1).head(D) = checked("position", run.position, start_);
   parameters.row(M + 2).head(D) = checked("velocity", run.velocity, Eigen::VectorXd::Zero(D)) / run.rate;
-  Series samples(lanes, columns);
+  RowMatrix samples(lanes, columns);
   detail::transposed_product({parameters.data(), static_cast<std::size_t>(lanes)},
                              {all->transposed.data(), static_cast<std::size_t>(columns)}, samples.data(),
                              static_cast<std::size_t>(parameters.rows()), static_cast<std::size_t>(lanes),
@@ -122,7 +122,7 @@ DmpStepper Dmp::begin(const DmpRun& run) const { return DmpStepper(*this, run); 
 
 struct DmpStepper::State {
   detail::BasisTable table;
-  Series weights;
+  RowMatrix weights;
   Eigen::VectorXd position, velocity, goal;
   double rate, time;  // normalised time
   Eigen::VectorXd basis, forcing, offset;
@@ -135,7 +135,7 @@ DmpStepper::DmpStepper(const Dmp& dmp, const DmpRun& run) {
   const Eigen::Index D = dmp.dimensions();
   detail::BasisTable table(dmp.config());
   const Eigen::Index width = static_cast<Eigen::Index>(table.width());
-  Series weights = Series::Zero(D, width);
+  RowMatrix weights = RowMatrix::Zero(D, width);
   weights.leftCols(dmp.config().basis_functions) = dmp.weights();
   state_ = std::make_unique<State>(
       State{std::move(table), std::move(weights), checked("position", run.position, dmp.start()),

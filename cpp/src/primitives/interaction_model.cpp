@@ -9,7 +9,7 @@
 namespace lfdcore::detail {
 namespace {
 
-void require_shape(const char* name, const Series& matrix, Eigen::Index rows, Eigen::Index columns) {
+void require_shape(const char* name, const RowMatrix& matrix, Eigen::Index rows, Eigen::Index columns) {
   require(matrix.rows() == rows && matrix.cols() == columns,
           std::string(name) + " has shape (" + std::to_string(matrix.rows()) + ", " + std::to_string(matrix.cols()) +
               "), must have (" + std::to_string(rows) + ", " + std::to_string(columns) + ")");
@@ -18,12 +18,15 @@ void require_shape(const char* name, const Series& matrix, Eigen::Index rows, Ei
 
 std::size_t size(Eigen::Index count) { return static_cast<std::size_t>(count); }
 
-Series compressed(const Series& matrix, const std::vector<Eigen::Index>& rows) { return matrix(rows, Eigen::all); }
+RowMatrix compressed(const RowMatrix& matrix, const std::vector<Eigen::Index>& rows) {
+  return matrix(rows, Eigen::all);
+}
 
 }  // namespace
 
-InteractionModel::InteractionModel(const Series& samples, const Series& begins, const std::optional<Series>& scene,
-                                   int partner_dimensions, const InteractionPrimitiveConfig& with)
+InteractionModel::InteractionModel(const RowMatrix& samples, const RowMatrix& begins,
+                                   const std::optional<RowMatrix>& scene, int partner_dimensions,
+                                   const InteractionPrimitiveConfig& with)
     : config(with),
       parameters(samples),
       starts(begins),
@@ -46,10 +49,10 @@ InteractionModel::InteractionModel(const Series& samples, const Series& begins, 
 void InteractionModel::set_parameters() {
   const Eigen::Index Q = static_cast<Eigen::Index>(response_width(config.dmp));
   const Eigen::RowVectorXd average = parameters.colwise().mean();
-  flat = Series::Zero(S, static_cast<Eigen::Index>(padded(size(D()))));
+  flat = RowMatrix::Zero(S, static_cast<Eigen::Index>(padded(size(D()))));
   flat.leftCols(D()) = (parameters.rowwise() - average) / std::sqrt(double(S));
-  means = Series::Zero(Q, N);
-  loadings = Series::Zero(Q, N * lanes);
+  means = RowMatrix::Zero(Q, N);
+  loadings = RowMatrix::Zero(Q, N * lanes);
   for (Eigen::Index d = 0; d < N; ++d) {
     auto block = loadings.middleCols(d * lanes, S);
     block.topRows(M + 1) = parameters.middleCols(d * (M + 1), M + 1).transpose();
@@ -63,7 +66,7 @@ void InteractionModel::set_environment() {
   require(environment->cols() > 0, "environment has 0 columns, must have at least 1");
   require_shape("environment", *environment, S, environment->cols());
   const Eigen::RowVectorXd average = environment->colwise().mean();
-  const Series centred = environment->rowwise() - average;
+  const RowMatrix centred = environment->rowwise() - average;
   scale = (centred.colwise().squaredNorm() / double(S)).cwiseSqrt().transpose();
   for (Eigen::Index i = 0; i < scale.size(); ++i)
     require(scale[i] > 1e-12 * (1e-300 + environment->col(i).cwiseAbs().maxCoeff()),
@@ -73,7 +76,7 @@ void InteractionModel::set_environment() {
   reactions = (centred.array().rowwise() / scale.transpose().array()).matrix().transpose() / std::sqrt(double(S));
   if (!config.printed_environment_weights) return;
   // w_e = e theta^+ (after 5.16, ERRATA 42): minimum norm for S < D, least squares without intercept for S > D.
-  const Series scaled = environment->array().rowwise() / scale.transpose().array();
+  const RowMatrix scaled = environment->array().rowwise() / scale.transpose().array();
   const Eigen::MatrixXd weights = Eigen::MatrixXd(parameters).completeOrthogonalDecomposition().solve(scaled);
   const Eigen::VectorXd mu = parameters.colwise().mean().transpose();
   centre = weights.transpose() * mu;
@@ -81,7 +84,7 @@ void InteractionModel::set_environment() {
 }
 
 Information::Information(const InteractionModel& model)
-    : matrix(Series::Zero(model.lanes, model.lanes)),
+    : matrix(RowMatrix::Zero(model.lanes, model.lanes)),
       vector(Eigen::VectorXd::Zero(model.lanes)),
       environment_matrix(Eigen::MatrixXd::Zero(model.S, model.S)),
       environment_vector(Eigen::VectorXd::Zero(model.S)) {}
@@ -102,7 +105,7 @@ void Information::add_environment(const InteractionModel& model, const Eigen::Ve
   }
 }
 
-void Information::add_samples(const InteractionModel& model, const Series& rows, const Series& values) {
+void Information::add_samples(const InteractionModel& model, const RowMatrix& rows, const RowMatrix& values) {
   if (values.rows() == 0) return;
   if (!values.array().isNaN().any()) return add_group(model, rows, values, 0);
   for (Eigen::Index d = 0; d < values.cols(); ++d) {
@@ -116,7 +119,7 @@ void Information::add_samples(const InteractionModel& model, const Series& rows,
 namespace {
 
 /// Columns of the rows that are not 0 to rounding: basis functions are local, and a short observation sees few.
-std::vector<Eigen::Index> active_columns(const Series& rows) {
+std::vector<Eigen::Index> active_columns(const RowMatrix& rows) {
   constexpr double nothing = 1e-22;
   const Eigen::RowVectorXd largest = rows.cwiseAbs().colwise().maxCoeff();
   std::vector<Eigen::Index> active;
@@ -126,16 +129,16 @@ std::vector<Eigen::Index> active_columns(const Series& rows) {
 }
 
 /// The columns named, then zeros up to a multiple of the lanes.
-Series packed_columns(const Series& matrix, const std::vector<Eigen::Index>& columns) {
-  Series made = Series::Zero(matrix.rows(), static_cast<Eigen::Index>(padded(columns.size())));
+RowMatrix packed_columns(const RowMatrix& matrix, const std::vector<Eigen::Index>& columns) {
+  RowMatrix made = RowMatrix::Zero(matrix.rows(), static_cast<Eigen::Index>(padded(columns.size())));
   for (Eigen::Index k = 0; k < matrix.rows(); ++k)
     for (std::size_t i = 0; i < columns.size(); ++i) made(k, static_cast<Eigen::Index>(i)) = matrix(k, columns[i]);
   return made;
 }
 
-Series packed_rows(const Eigen::Ref<const Series, 0, Eigen::OuterStride<>>& matrix,
-                   const std::vector<Eigen::Index>& rows, std::size_t columns) {
-  Series made = Series::Zero(static_cast<Eigen::Index>(padded(rows.size())), static_cast<Eigen::Index>(columns));
+RowMatrix packed_rows(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& matrix,
+                      const std::vector<Eigen::Index>& rows, std::size_t columns) {
+  RowMatrix made = RowMatrix::Zero(static_cast<Eigen::Index>(padded(rows.size())), static_cast<Eigen::Index>(columns));
   for (std::size_t i = 0; i < rows.size(); ++i)
     made.row(static_cast<Eigen::Index>(i)).head(matrix.cols()) = matrix.row(rows[i]);
   return made;
@@ -144,23 +147,23 @@ Series packed_rows(const Eigen::Ref<const Series, 0, Eigen::OuterStride<>>& matr
 }  // namespace
 
 // All degrees of freedom see the same rows R: sum_d B_d^T (R^T R) B_d instead of the Gram matrix of K n rows.
-void Information::add_group(const InteractionModel& model, const Series& rows, const Series& values,
+void Information::add_group(const InteractionModel& model, const RowMatrix& rows, const RowMatrix& values,
                             Eigen::Index first) {
   const Eigen::Index n = values.cols();
   const std::size_t lanes = size(model.lanes), columns = size(n) * lanes, n_padded = padded(size(n));
   const std::vector<Eigen::Index> active = active_columns(rows);
-  const Series R = packed_columns(rows, active);
-  const Series B = packed_rows(model.loadings.middleCols(first * model.lanes, n * model.lanes), active, columns);
-  const Series mean = packed_rows(model.means.middleCols(first, n), active, size(n));
+  const RowMatrix R = packed_columns(rows, active);
+  const RowMatrix B = packed_rows(model.loadings.middleCols(first * model.lanes, n * model.lanes), active, columns);
+  const RowMatrix mean = packed_rows(model.means.middleCols(first, n), active, size(n));
   const std::size_t width = size(R.cols());
-  Series gram(R.cols(), R.cols()), spread(R.cols(), static_cast<Eigen::Index>(columns));
+  RowMatrix gram(R.cols(), R.cols()), spread(R.cols(), static_cast<Eigen::Index>(columns));
   transposed_product({R.data(), width}, {R.data(), width}, gram.data(), size(R.rows()), width, width);
   transposed_product({gram.data(), width}, {B.data(), columns}, spread.data(), width, width, columns);
-  Series surprise = Series::Zero(R.rows(), static_cast<Eigen::Index>(n_padded));
+  RowMatrix surprise = RowMatrix::Zero(R.rows(), static_cast<Eigen::Index>(n_padded));
   surprise.leftCols(n).noalias() = values - R.lazyProduct(mean);
   squares += surprise.squaredNorm();
   count += values.size();
-  Series weighted(R.cols(), static_cast<Eigen::Index>(n_padded));
+  RowMatrix weighted(R.cols(), static_cast<Eigen::Index>(n_padded));
   transposed_product({R.data(), width}, {surprise.data(), n_padded}, weighted.data(), size(R.rows()), width, n_padded);
   for (Eigen::Index d = 0; d < n; ++d) {
     const std::size_t at = size(d) * lanes;
@@ -183,17 +186,17 @@ void Information::add_sample(const InteractionModel& model, const Eigen::Ref<con
   }
 }
 
-Series observation_rows(const InteractionPrimitiveConfig& config, const Eigen::VectorXd& time) {
+RowMatrix observation_rows(const InteractionPrimitiveConfig& config, const Eigen::VectorXd& time) {
   const Eigen::Index M = config.dmp.basis_functions;
   if (config.observe == Observed::forcing) {  // 5.13
     const BasisTable table(config.dmp);
-    Series rows = Series::Zero(time.size(), static_cast<Eigen::Index>(padded(size(M) + 1)));
+    RowMatrix rows = RowMatrix::Zero(time.size(), static_cast<Eigen::Index>(padded(size(M) + 1)));
     for (Eigen::Index k = 0; k < time.size(); ++k) table.row_at(time[k], rows.row(k).data());
     rows.col(M).setConstant(config.dmp.stiffness * config.dmp.damping);
     return rows;
   }
   ResponseWalk walk(config.dmp);
-  Series rows(time.size(), static_cast<Eigen::Index>(response_width(config.dmp)));
+  RowMatrix rows(time.size(), static_cast<Eigen::Index>(response_width(config.dmp)));
   for (Eigen::Index k = 0; k < time.size(); ++k) {
     walk.advance_to(time[k]);
     rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(walk.positions().data(), rows.cols());

@@ -13,18 +13,18 @@ namespace lfdcore::detail {
 /// with zeros to Q rows as a response is.
 struct InteractionModel {
   InteractionPrimitiveConfig config;
-  Series parameters, starts;
-  std::optional<Series> environment;
+  RowMatrix parameters, starts;
+  std::optional<RowMatrix> environment;
   Eigen::Index S, N, partner, M;
   Eigen::Index lanes;         ///< S padded
-  Series means;               ///< (Q, N)
-  Series loadings;            ///< (Q, N lanes): L of degree of freedom d in columns d lanes ...
-  Series flat;                ///< (S, D padded): L^T
+  RowMatrix means;            ///< (Q, N)
+  RowMatrix loadings;         ///< (Q, N lanes): L of degree of freedom d in columns d lanes ...
+  RowMatrix flat;             ///< (S, D padded): L^T
   Eigen::VectorXd scale;      ///< (E,) standard deviations
   Eigen::VectorXd centre;     ///< (E,) what the model expects of e / scale
   Eigen::MatrixXd reactions;  ///< (E, S): d (e / scale) / dz
 
-  InteractionModel(const Series& parameters, const Series& starts, const std::optional<Series>& environment,
+  InteractionModel(const RowMatrix& parameters, const RowMatrix& starts, const std::optional<RowMatrix>& environment,
                    int partner, const InteractionPrimitiveConfig& config);
 
   Eigen::Index D() const { return N * (M + 1); }
@@ -37,7 +37,7 @@ struct InteractionModel {
 
 /// Of z: precision I + matrix, matrix * mean = vector.
 struct Information {
-  Series matrix;           ///< (lanes, lanes), the partner's times sigma^2
+  RowMatrix matrix;        ///< (lanes, lanes), the partner's times sigma^2
   Eigen::VectorXd vector;  ///< (lanes,)
   double squares = 0;      ///< of what the partner's values differ from the mean by
   Eigen::Index count = 0;  ///< of those values
@@ -49,16 +49,16 @@ struct Information {
   explicit Information(const InteractionModel& model);
   void add_environment(const InteractionModel& model, const Eigen::VectorXd& environment);
   /// Rows (K, width) of responses and the partner's values (K, n), NaN: not seen.
-  void add_samples(const InteractionModel& model, const Series& rows, const Series& values);
+  void add_samples(const InteractionModel& model, const RowMatrix& rows, const RowMatrix& values);
   void add_sample(const InteractionModel& model, const Eigen::Ref<const Eigen::VectorXd>& row,
                   const Eigen::VectorXd& values);
 
  private:
-  void add_group(const InteractionModel& model, const Series& rows, const Series& values, Eigen::Index first);
+  void add_group(const InteractionModel& model, const RowMatrix& rows, const RowMatrix& values, Eigen::Index first);
 };
 
 /// Rows (K, width) that map (w, g, y0) to what is observed at normalised times (K,), rising.
-Series observation_rows(const InteractionPrimitiveConfig& config, const Eigen::VectorXd& time);
+RowMatrix observation_rows(const InteractionPrimitiveConfig& config, const Eigen::VectorXd& time);
 
 /// Normalised times of phases in [exp(-alpha_x), 1].
 double observation_time(const DmpConfig& config, double phase);

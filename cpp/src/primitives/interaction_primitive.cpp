@@ -31,32 +31,32 @@ struct Demonstration {
 
 // theta of one demonstration: w_1, g_1, w_2, ... (5.6)
 Eigen::VectorXd flattened(const Dmp& dmp) {
-  Series both(dmp.dimensions(), dmp.config().basis_functions + 1);
+  RowMatrix both(dmp.dimensions(), dmp.config().basis_functions + 1);
   both << dmp.weights(), dmp.goal();
   return both.reshaped<Eigen::RowMajor>();
 }
 
-Series residuals(const Dmp& dmp, const Series& positions, Observed observe) {
+RowMatrix residuals(const Dmp& dmp, const RowMatrix& positions, Observed observe) {
   const int steps = static_cast<int>(positions.rows());
   if (observe == Observed::positions) return positions - dmp.rollout(steps).positions;
   return forcing_terms(positions, dmp.goal(), dmp.config()) -
          basis(phases(steps, dmp.config()), dmp.config()) * dmp.weights().transpose();
 }
 
-double observed_power(const Dmp& dmp, const Series& positions, Observed observe) {
+double observed_power(const Dmp& dmp, const RowMatrix& positions, Observed observe) {
   const double k = observe == Observed::positions ? 1 : dmp.config().stiffness * dmp.config().damping;
   return k * k * positions.squaredNorm();
 }
 
-Demonstration fitted(const Series& partner, const Series& robot, const InteractionPrimitiveConfig& config) {
-  Series both(partner.rows(), partner.cols() + robot.cols());
+Demonstration fitted(const RowMatrix& partner, const RowMatrix& robot, const InteractionPrimitiveConfig& config) {
+  RowMatrix both(partner.rows(), partner.cols() + robot.cols());
   both << partner, robot;
   const Dmp dmp = Dmp::fit(both, config.dmp, config.observe);
-  const Series rest = residuals(dmp, both, config.observe).leftCols(partner.cols());
+  const RowMatrix rest = residuals(dmp, both, config.observe).leftCols(partner.cols());
   return {flattened(dmp), dmp.start(), rest.squaredNorm(), observed_power(dmp, partner, config.observe), rest.size()};
 }
 
-void require_demonstrations(const std::vector<Series>& partner, const std::vector<Series>& robot) {
+void require_demonstrations(const std::vector<RowMatrix>& partner, const std::vector<RowMatrix>& robot) {
   require_between("number of demonstrations", double(partner.size()), 2, 1e4, "demonstrations");
   require(partner.size() == robot.size(), std::to_string(partner.size()) + " motions of the partner, but " +
                                               std::to_string(robot.size()) + " of the robot");
@@ -79,18 +79,19 @@ double pooled_noise(double squares, double power, Eigen::Index values) {
 
 }  // namespace
 
-InteractionPrimitive::InteractionPrimitive(const Series& parameters, const Series& starts,
-                                           const std::optional<Series>& environment, int partner,
+InteractionPrimitive::InteractionPrimitive(const RowMatrix& parameters, const RowMatrix& starts,
+                                           const std::optional<RowMatrix>& environment, int partner,
                                            const InteractionPrimitiveConfig& config)
     : model_(std::make_shared<const InteractionModel>(parameters, starts, environment, partner, config)) {}
 
-InteractionPrimitive InteractionPrimitive::fit(const std::vector<Series>& partner, const std::vector<Series>& robot,
-                                               const std::optional<Series>& environment,
+InteractionPrimitive InteractionPrimitive::fit(const std::vector<RowMatrix>& partner,
+                                               const std::vector<RowMatrix>& robot,
+                                               const std::optional<RowMatrix>& environment,
                                                const InteractionPrimitiveConfig& config) {
   validate(config);
   require_demonstrations(partner, robot);
   const Eigen::Index S = static_cast<Eigen::Index>(partner.size()), N = partner[0].cols() + robot[0].cols();
-  Series parameters(S, N * (config.dmp.basis_functions + 1)), starts(S, N);
+  RowMatrix parameters(S, N * (config.dmp.basis_functions + 1)), starts(S, N);
   double squares = 0, power = 0;
   Eigen::Index values = 0;
   for (Eigen::Index j = 0; j < S; ++j) {
@@ -105,9 +106,9 @@ InteractionPrimitive InteractionPrimitive::fit(const std::vector<Series>& partne
   return InteractionPrimitive(parameters, starts, environment, static_cast<int>(partner[0].cols()), with);
 }
 
-const Series& InteractionPrimitive::parameters() const { return model_->parameters; }
-const Series& InteractionPrimitive::starts() const { return model_->starts; }
-const std::optional<Series>& InteractionPrimitive::environment() const { return model_->environment; }
+const RowMatrix& InteractionPrimitive::parameters() const { return model_->parameters; }
+const RowMatrix& InteractionPrimitive::starts() const { return model_->starts; }
+const std::optional<RowMatrix>& InteractionPrimitive::environment() const { return model_->environment; }
 int InteractionPrimitive::partner_dimensions() const { return static_cast<int>(model_->partner); }
 int InteractionPrimitive::robot_dimensions() const { return static_cast<int>(model_->N - model_->partner); }
 const InteractionPrimitiveConfig& InteractionPrimitive::config() const { return model_->config; }
@@ -131,7 +132,7 @@ Eigen::VectorXd rising_times(const Eigen::VectorXd& phase, Eigen::Index samples,
   return time;
 }
 
-void require_seen(const Series& partner) {
+void require_seen(const RowMatrix& partner) {
   constexpr double most = 1e9;
   for (Eigen::Index k = 0; k < partner.rows(); ++k)
     for (Eigen::Index d = 0; d < partner.cols(); ++d)
@@ -143,7 +144,7 @@ void require_seen(const Series& partner) {
 constexpr double unseen = std::numeric_limits<double>::quiet_NaN();
 
 // Each run of samples without a gap has derivatives of its own.
-void set_forcing(Series& forcing, const Series& positions, const Eigen::VectorXd& time, Eigen::Index d,
+void set_forcing(RowMatrix& forcing, const RowMatrix& positions, const Eigen::VectorXd& time, Eigen::Index d,
                  const DmpConfig& config) {
   const Eigen::Index K = positions.rows();
   for (Eigen::Index first = 0; first < K; ++first) {
@@ -156,23 +157,23 @@ void set_forcing(Series& forcing, const Series& positions, const Eigen::VectorXd
   }
 }
 
-Series forcing_at(const Series& positions, const Eigen::VectorXd& time, const DmpConfig& config) {
+RowMatrix forcing_at(const RowMatrix& positions, const Eigen::VectorXd& time, const DmpConfig& config) {
   if (positions.rows() >= 3 && !positions.array().isNaN().any())
     return detail::observed_forcing(positions, time, config);
-  Series forcing = Series::Constant(positions.rows(), positions.cols(), unseen);
+  RowMatrix forcing = RowMatrix::Constant(positions.rows(), positions.cols(), unseen);
   for (Eigen::Index d = 0; d < positions.cols(); ++d) set_forcing(forcing, positions, time, d, config);
   return forcing;
 }
 
 }  // namespace
 
-Series partner_forcing(const Series& positions, const Eigen::VectorXd& phase, const DmpConfig& config) {
+RowMatrix partner_forcing(const RowMatrix& positions, const Eigen::VectorXd& phase, const DmpConfig& config) {
   validate(config);
   require_seen(positions);
   return forcing_at(positions, rising_times(phase, positions.rows(), config), config);
 }
 
-InteractionPosterior InteractionPrimitive::condition(const Series& partner, const Eigen::VectorXd& phase,
+InteractionPosterior InteractionPrimitive::condition(const RowMatrix& partner, const Eigen::VectorXd& phase,
                                                      const std::optional<Eigen::VectorXd>& environment) const {
   const InteractionModel& model = *model_;
   require(partner.rows() == 0 || partner.cols() == model.partner,
@@ -253,7 +254,7 @@ InteractionPosterior::InteractionPosterior(std::shared_ptr<const InteractionMode
 Dmp InteractionPosterior::motion(Eigen::Index first, Eigen::Index count) const {
   const Eigen::Index M = model_->M;
   Eigen::VectorXd start(count), goal(count);
-  Series weights(count, M);
+  RowMatrix weights(count, M);
   for (Eigen::Index d = 0; d < count; ++d) {
     const Eigen::VectorXd all = model_->means.col(first + d) + model_->loading(first + d) * latent_;
     weights.row(d) = all.head(M);
@@ -280,7 +281,7 @@ double InteractionPosterior::trace() const { return factor().squaredNorm(); }
 
 Eigen::MatrixXd InteractionPosterior::factor() const {
   const Eigen::Index width = model_->flat.cols(), lanes = model_->lanes;
-  Series spread = Series::Zero(model_->S, lanes), all(lanes, width);
+  RowMatrix spread = RowMatrix::Zero(model_->S, lanes), all(lanes, width);
   spread.leftCols(model_->S) = spread_;
   const auto size = [](Eigen::Index count) { return static_cast<std::size_t>(count); };
   detail::transposed_product({spread.data(), size(lanes)}, {model_->flat.data(), size(width)}, all.data(),
@@ -307,30 +308,30 @@ Eigen::MatrixXd draws(Eigen::Index rows, int count, std::uint64_t seed) {
 InteractionTrajectory InteractionPosterior::trajectory(int steps) const {
   const Eigen::MatrixXd H = whole_motion(*model_, steps);
   const Eigen::Index N = model_->N, S = model_->S;
-  InteractionTrajectory made{Eigen::MatrixXd(steps, N), Series(steps, N * N)};
-  std::vector<Series> parts;
+  InteractionTrajectory made{Eigen::MatrixXd(steps, N), RowMatrix(steps, N * N)};
+  std::vector<RowMatrix> parts;
   for (Eigen::Index d = 0; d < N; ++d) {
     made.mean.col(d) = H * (model_->means.col(d) + model_->loading(d) * latent_);
     const Eigen::MatrixXd loaded = model_->loading(d) * spread_;
     parts.emplace_back(H * loaded);
   }
-  Series here(N, S);
+  RowMatrix here(N, S);
   for (Eigen::Index k = 0; k < steps; ++k) {
     for (Eigen::Index d = 0; d < N; ++d) here.row(d) = parts[static_cast<std::size_t>(d)].row(k);
-    Eigen::Map<Series>(made.covariance.row(k).data(), N, N).noalias() = here * here.transpose();
+    Eigen::Map<RowMatrix>(made.covariance.row(k).data(), N, N).noalias() = here * here.transpose();
   }
   return made;
 }
 
-Series InteractionPosterior::sample(int count, std::uint64_t seed) const {
+RowMatrix InteractionPosterior::sample(int count, std::uint64_t seed) const {
   const Eigen::MatrixXd z = draws(model_->S, count, seed);
   return (factor() * z).transpose().rowwise() + mean().transpose();
 }
 
-std::vector<Series> InteractionPosterior::sample_trajectories(int count, int steps, std::uint64_t seed) const {
+std::vector<RowMatrix> InteractionPosterior::sample_trajectories(int count, int steps, std::uint64_t seed) const {
   const Eigen::MatrixXd H = whole_motion(*model_, steps);
   const Eigen::MatrixXd z = (spread_ * draws(model_->S, count, seed)).colwise() + latent_;
-  std::vector<Series> made(static_cast<std::size_t>(count), Series(steps, model_->N));
+  std::vector<RowMatrix> made(static_cast<std::size_t>(count), RowMatrix(steps, model_->N));
   for (Eigen::Index d = 0; d < model_->N; ++d) {
     const Eigen::MatrixXd motions = H * ((model_->loading(d) * z).colwise() + model_->means.col(d));
     for (Eigen::Index i = 0; i < count; ++i) made[static_cast<std::size_t>(i)].col(d) = motions.col(i);

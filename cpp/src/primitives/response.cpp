@@ -66,7 +66,7 @@ struct Key {
 Response make_response(const Key& key) {
   const std::size_t width = response_width(key.config), steps = static_cast<std::size_t>(key.steps);
   const Eigen::Index padded_steps = static_cast<Eigen::Index>(padded(steps));
-  Response made{steps, Series::Zero(static_cast<Eigen::Index>(width), 3 * padded_steps)};
+  Response made{steps, RowMatrix::Zero(static_cast<Eigen::Index>(width), 3 * padded_steps)};
   ResponseWalk walk(key.config, key.begin);
   Eigen::VectorXd basis(static_cast<Eigen::Index>(walk.table().width()));
   const double k = key.config.stiffness * key.config.damping;

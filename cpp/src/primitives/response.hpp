@@ -35,8 +35,8 @@ class ResponseWalk {
 
 /// The responses of a whole motion, sample after sample.
 struct Response {
-  std::size_t steps;  ///< of which the rows are padded to a multiple of 8
-  Series transposed;  ///< (width, 3 padded steps): positions, velocities, accelerations in normalised time
+  std::size_t steps;     ///< of which the rows are padded to a multiple of 8
+  RowMatrix transposed;  ///< (width, 3 padded steps): positions, velocities, accelerations in normalised time
 };
 
 /// `steps` samples over [begin, begin + span] of normalised time; kept for the next call with the same arguments.

@@ -179,11 +179,11 @@ TEST(SelfCollision, SeesAnArmAtTheHeadAndComparesBothArms) {
 
 TEST(SlowDown, KeepsEveryChordInsideTheLimitsAndLeavesSlowOnesAlone) {
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(101, 0, 1);
-  JointRows positions(101, 2);
+  RowMatrix positions(101, 2);
   for (int i = 0; i < 101; ++i) positions.row(i) << std::exp(-50 * (time[i] - 0.5) * (time[i] - 0.5)), 0.1 * time[i];
   const Eigen::Vector2d limits(2, 1);
   const Eigen::VectorXd slowed = slow_down(time, positions, limits, 0.05);
-  const JointRows velocities = joint_velocities(slowed, positions);
+  const RowMatrix velocities = joint_velocities(slowed, positions);
   EXPECT_LE(velocities.col(0).cwiseAbs().maxCoeff(), 2 + 1e-9);
   EXPECT_LE(velocities.col(1).cwiseAbs().maxCoeff(), 1 + 1e-9);
   EXPECT_NEAR(slowed[1] - slowed[0], 0.01, 1e-12);
@@ -192,7 +192,7 @@ TEST(SlowDown, KeepsEveryChordInsideTheLimitsAndLeavesSlowOnesAlone) {
 }
 
 TEST(SlowDown, RefusesTimesThatDoNotIncreaseAndLimitsOfZero) {
-  const JointRows positions = JointRows::Zero(2, 1);
+  const RowMatrix positions = RowMatrix::Zero(2, 1);
   EXPECT_THROW(slow_down(Eigen::Vector2d(1, 1), positions, Eigen::VectorXd::Ones(1)), std::invalid_argument);
   EXPECT_THROW(slow_down(Eigen::Vector2d(0, 1), positions, Eigen::VectorXd::Zero(1)), std::invalid_argument);
 }

@@ -16,7 +16,7 @@ Dmp random_dmp(unsigned seed, Eigen::Index dimensions = 3) {
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(generator); };
   return Dmp(Eigen::VectorXd::NullaryExpr(dimensions, draw), Eigen::VectorXd::NullaryExpr(dimensions, draw),
-             100 * Series::NullaryExpr(dimensions, 20, draw));
+             100 * RowMatrix::NullaryExpr(dimensions, 20, draw));
 }
 
 // 5.1 by RK4 at 1e-4 of the motion.
@@ -67,16 +67,18 @@ TEST(Dmp, steps_without_allocating) {
   EXPECT_EQ(test::allocation_count(), before);
 }
 
-TEST(Dmp, refuses_a_demonstration_of_two_samples) { EXPECT_THROW(Dmp::fit(Series::Zero(2, 1)), std::invalid_argument); }
+TEST(Dmp, refuses_a_demonstration_of_two_samples) {
+  EXPECT_THROW(Dmp::fit(RowMatrix::Zero(2, 1)), std::invalid_argument);
+}
 
 TEST(InteractionPrimitive, without_observation_gives_the_mean_of_the_demonstrations) {
   std::mt19937 generator(4);
   std::normal_distribution<double> normal;
-  const Series theta = Series::NullaryExpr(9, 42, [&] { return normal(generator); });
+  const RowMatrix theta = RowMatrix::NullaryExpr(9, 42, [&] { return normal(generator); });
   InteractionPrimitiveConfig config;
   config.noise = 1.0;
-  const InteractionPrimitive primitive(theta, Series::Zero(9, 2), std::nullopt, 1, config);
-  const auto prior = primitive.condition(Series(0, 1), Eigen::VectorXd(), std::nullopt);
+  const InteractionPrimitive primitive(theta, RowMatrix::Zero(9, 2), std::nullopt, 1, config);
+  const auto prior = primitive.condition(RowMatrix(0, 1), Eigen::VectorXd(), std::nullopt);
   EXPECT_LT((prior.mean() - theta.colwise().mean().transpose()).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((prior.factor() * prior.factor().transpose() -
              (theta.rowwise() - theta.colwise().mean()).transpose() * (theta.rowwise() - theta.colwise().mean()) / 9)

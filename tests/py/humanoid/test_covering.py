@@ -210,6 +210,11 @@ def test_a_sweep_that_falls_short_says_why(changes: dict[str, float], reason: st
     assert reason in verdict.reason
 
 
+def test_the_clearance_is_kept_behind_the_object_too() -> None:
+    exact, kept = (covering_verdict(sweep(), RIGHT, BOX, clearance=clearance) for clearance in (0.0, 0.02))
+    assert kept.past == pytest.approx(exact.past - 0.02)
+
+
 def test_a_motion_that_begins_behind_the_object_or_ends_below_its_top_does_not_cover_it() -> None:
     backwards = np.vstack([sweep()[-1:], sweep()])
     assert "does not begin short of the object" in covering_verdict(backwards, RIGHT, BOX).reason

@@ -64,7 +64,18 @@ def test_a_pause_of_3_s_counts_as_less_than_half_a_second(primitive: Interaction
     waited = np.concatenate([samples, samples[-1] + rng.normal(0, 0.003, (75, 2))])
     one = follow(REFERENCE, DURATION, np.concatenate([stamp, stamp[-1] + wait]), waited)
     assert one.active[-1] < stamp[-1] + 0.5  # told within the phase estimator's window
+    assert one.active[-1] == pytest.approx((len(one.samples) - 1) * PERIOD)  # the time of the samples that are kept
     assert likeliest_share(primitive, one, DURATION, None) == pytest.approx(0.5, abs=0.5 / DURATION)
+
+
+def test_time_goes_on_when_a_partner_who_paused_does(primitive: InteractionPrimitive) -> None:
+    stamp, samples = seen(0.5, 0.8)
+    half = len(stamp) // 2
+    waited = np.concatenate([samples[:half], np.repeat(samples[half - 1 : half], 50, axis=0), samples[half:]])
+    one = follow(REFERENCE, DURATION, np.arange(len(waited)) * PERIOD, waited)
+    assert len(one.samples) < len(waited)
+    np.testing.assert_allclose(np.diff(one.active), PERIOD)
+    assert likeliest_share(primitive, one, DURATION, None) == pytest.approx(0.8, abs=0.06)
 
 
 def test_it_is_the_maximum_over_all_shares(primitive: InteractionPrimitive) -> None:
@@ -76,6 +87,19 @@ def test_it_is_the_maximum_over_all_shares(primitive: InteractionPrimitive) -> N
         for share in np.linspace(0.005, 1, 200)
     }
     assert found == pytest.approx(max(scores, key=lambda share: scores[share]), abs=0.006)
+
+
+def test_where_samples_say_nothing_the_tempo_is_the_demonstrations(primitive: InteractionPrimitive) -> None:
+    deaf = InteractionPrimitiveConfig(observe="positions", noise=1e6)
+    unsure = InteractionPrimitive(primitive.parameters, primitive.starts, None, primitive.partner_dimensions, deaf)
+    one = followed(0.5, 0.6)
+    assert likeliest_share(unsure, one, DURATION, None) == pytest.approx(one.active[-1] / DURATION, abs=0.01)
+
+
+def test_time_warping_has_come_to_the_end_with_the_references_last_row() -> None:
+    line = np.linspace(0, 1, 11)[:, None]
+    assert follow(line, 1.0, np.linspace(0, 1, 11), line).warped_share == 1.0
+    assert follow(line, 1.0, np.linspace(0, 1, 11)[:6], line[:6]).warped_share == 0.5
 
 
 def test_a_partner_who_has_not_left_the_start_has_come_nowhere(primitive: InteractionPrimitive) -> None:

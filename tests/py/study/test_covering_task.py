@@ -186,3 +186,13 @@ def test_settings_that_cannot_be_are_refused(settings: dict[str, float], reason:
 def test_seeds_and_counts_that_cannot_be_are_refused() -> None:
     with pytest.raises(ValueError, match="seed must be >= 0 and held_out >= 1, got 1 and 0"):
         covering_data(seed=1, held_out=0)
+
+
+def test_gloves_have_the_white_noise_that_is_stated() -> None:
+    noisy, exact = (
+        demonstrate_covering(GROUND_TRUTH.training[0], 3, CoveringConfig(noise=noise, occlusions=0)).partner
+        for noise in (0.006, 0.0)
+    )
+    noise = noisy - exact
+    assert noise.std(axis=0) == pytest.approx(0.006, rel=0.2)
+    assert abs(np.corrcoef(noise[1:, 0], noise[:-1, 0])[0, 1]) < 0.15

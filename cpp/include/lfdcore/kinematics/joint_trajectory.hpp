@@ -3,15 +3,14 @@
 
 #include "lfdcore/kinematics/inverse_kinematics.hpp"
 #include "lfdcore/kinematics/self_collision.hpp"
+#include "lfdcore/row_matrix.hpp"
 
 namespace lfdcore {
 
-using JointRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 struct JointTrajectory {
   Eigen::VectorXd time;  ///< (T,) [s], increasing
-  JointRows positions;   ///< (T, n) [rad or m]
-  JointRows velocities;  ///< (T, n) [rad/s or m/s]: slopes of the parabola through each sample and its neighbours
+  RowMatrix positions;   ///< (T, n) [rad or m]
+  RowMatrix velocities;  ///< (T, n) [rad/s or m/s]: slopes of the parabola through each sample and its neighbours
 };
 
 struct FollowConfig {
@@ -53,7 +52,7 @@ struct FollowResult {
 /// Self-collision as one arm sees it: the other joints are where `posture` has them.
 struct Surroundings {
   const SelfCollision& robot;
-  const JointRows& posture;  ///< (1 or T, N) all of the robot's joints; those of the chain are replaced
+  const RowMatrix& posture;  ///< (1 or T, N) all of the robot's joints; those of the chain are replaced
 };
 
 /// Follows poses T_base_tool at `time` (T,) [s] sample by sample from the last posture, by damped least squares inside
@@ -70,11 +69,11 @@ FollowResult follow_poses(const KinematicChain& chain, const Eigen::VectorXd& ti
 /// Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval takes as
 /// long as before or, where that is too fast, longer; stretches spread smoothly over `smoothing` [s] to both sides.
 /// Throws std::invalid_argument like follow_poses.
-Eigen::VectorXd slow_down(const Eigen::VectorXd& time, const JointRows& positions, const Eigen::VectorXd& velocity,
+Eigen::VectorXd slow_down(const Eigen::VectorXd& time, const RowMatrix& positions, const Eigen::VectorXd& velocity,
                           double smoothing = 0.2);
 
 /// Slopes (T, n) of the parabolas through each sample and its neighbours, of the chords at the ends; never above the
 /// fastest chord. Throws std::invalid_argument like follow_poses.
-JointRows joint_velocities(const Eigen::VectorXd& time, const JointRows& positions);
+RowMatrix joint_velocities(const Eigen::VectorXd& time, const RowMatrix& positions);
 
 }  // namespace lfdcore

@@ -4,10 +4,9 @@
 #include <Eigen/Core>
 #include <cmath>
 
-namespace lfdcore {
+#include "lfdcore/row_matrix.hpp"
 
-/// (T, D): one sample a row, as NumPy has it.
-using Series = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+namespace lfdcore {
 
 /// The constants of 5.1 and 5.2 (ERRATA F13). Time is normalised: a demonstration lasts from s = 0 to s = 1.
 struct DmpConfig {
@@ -27,6 +26,6 @@ Eigen::VectorXd phases(int steps, const DmpConfig& config = {});
 
 /// phi(x)^T of 5.2 at phases (T,) in (0, 1], the factor x included -> (T, M). Centres exp(-alpha_x i / (M - 1)), widths
 /// 1 / dc^2, the last repeated (ERRATA F13). Throws std::invalid_argument for a phase outside (0, 1].
-Series basis(const Eigen::VectorXd& phase, const DmpConfig& config = {});
+RowMatrix basis(const Eigen::VectorXd& phase, const DmpConfig& config = {});
 
 }  // namespace lfdcore

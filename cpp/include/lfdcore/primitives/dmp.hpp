@@ -34,14 +34,14 @@ class DmpStepper;
 class Dmp {
  public:
   /// Start (D,), goal (D,), weights (D, M). Throws std::invalid_argument for other shapes and what is not finite.
-  Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, Series weights, const DmpConfig& config = {});
+  Dmp(Eigen::VectorXd start, Eigen::VectorXd goal, RowMatrix weights, const DmpConfig& config = {});
 
   /// Positions (T, D), T >= 3, evenly spaced in time: t = k / (T - 1), whatever the demonstration's duration was. By
   /// forcing: the derivatives are second-order differences, the weights least squares of 5.3, the goal is the last
   /// position (5.4, ERRATA 37). By positions: start, goal and weights are least squares of the motion from rest itself,
   /// without derivatives, which noise spoils. Orthogonal decompositions, minimum norm where data say nothing. Throws
   /// std::invalid_argument for fewer samples and for what is not finite or beyond 1e9.
-  static Dmp fit(const Series& positions, const DmpConfig& config = {}, Observed by = Observed::forcing);
+  static Dmp fit(const RowMatrix& positions, const DmpConfig& config = {}, Observed by = Observed::forcing);
 
   /// The motion in `steps` >= 2 samples, evenly spread. Exact up to 1e-9 of its range. Linear in (w, g, position,
   /// velocity): the matrix that maps them to the samples is kept for the next call with the same steps, phase and
@@ -54,17 +54,17 @@ class Dmp {
   Eigen::Index dimensions() const { return start_.size(); }
   const Eigen::VectorXd& start() const { return start_; }
   const Eigen::VectorXd& goal() const { return goal_; }
-  const Series& weights() const { return weights_; }
+  const RowMatrix& weights() const { return weights_; }
   const DmpConfig& config() const { return config_; }
 
  private:
   DmpConfig config_;
   Eigen::VectorXd start_, goal_;
-  Series weights_;
+  RowMatrix weights_;
 };
 
 /// Forcing terms (T, D) of positions (T, D) at normalised times k / (T - 1): 5.3 for the goal g (D,).
-Series forcing_terms(const Series& positions, const Eigen::VectorXd& goal, const DmpConfig& config = {});
+RowMatrix forcing_terms(const RowMatrix& positions, const Eigen::VectorXd& goal, const DmpConfig& config = {});
 
 /// A motion that is run step by step; goal and rate may be set between steps. One thread at a time.
 class DmpStepper {

@@ -31,7 +31,7 @@ void validate(const InteractionPrimitiveConfig& config);
 /// N degrees of freedom, the partner's first, at `steps` samples evenly spread over the motion.
 struct InteractionTrajectory {
   Eigen::MatrixXd mean;  ///< (steps, N)
-  Series covariance;     ///< (steps, N * N), row-major (N, N) each
+  RowMatrix covariance;  ///< (steps, N * N), row-major (N, N) each
 };
 
 namespace detail {
@@ -53,9 +53,9 @@ class InteractionPosterior {
 
   /// Mean and covariance of the motion, which is linear in theta and the start.
   InteractionTrajectory trajectory(int steps) const;
-  Series sample(int count, std::uint64_t seed) const;  ///< (count, D)
+  RowMatrix sample(int count, std::uint64_t seed) const;  ///< (count, D)
   /// `count` motions (steps, N), of the same draws as sample().
-  std::vector<Series> sample_trajectories(int count, int steps, std::uint64_t seed) const;
+  std::vector<RowMatrix> sample_trajectories(int count, int steps, std::uint64_t seed) const;
 
   Dmp robot() const;    ///< of the mean, the robot's degrees of freedom
   Dmp partner() const;  ///< of the mean, the partner's
@@ -92,26 +92,27 @@ class InteractionPrimitive {
   /// From stored samples: parameters (S >= 2, N (M + 1)), starts (S, N), environment (S, E) or none, of the N degrees
   /// of freedom the first `partner` are the partner's. config.noise must be set. Throws std::invalid_argument for
   /// shapes that do not fit, what is not finite, and an environment column that does not vary.
-  InteractionPrimitive(const Series& parameters, const Series& starts, const std::optional<Series>& environment,
-                       int partner, const InteractionPrimitiveConfig& config);
+  InteractionPrimitive(const RowMatrix& parameters, const RowMatrix& starts,
+                       const std::optional<RowMatrix>& environment, int partner,
+                       const InteractionPrimitiveConfig& config);
 
   /// S >= 2 demonstrations: partner (T_j, n) and robot (T_j, r), each fitted in its own normalised time, so that their
   /// lengths may differ. Throws std::invalid_argument as Dmp::fit does, and for different dimensions or counts.
-  static InteractionPrimitive fit(const std::vector<Series>& partner, const std::vector<Series>& robot,
-                                  const std::optional<Series>& environment,
+  static InteractionPrimitive fit(const std::vector<RowMatrix>& partner, const std::vector<RowMatrix>& robot,
+                                  const std::optional<RowMatrix>& environment,
                                   const InteractionPrimitiveConfig& config = {});
 
   /// p(theta | partner's positions (K, n) at falling phases (K,), environment (E,)). NaN: not seen; K = 0 and no
   /// environment give the prior. Forcing needs 3 seen samples in a row; what stands alone is left out. Phases are in
   /// [exp(-alpha_x), 1]: an observation longer than the motion is refused.
-  InteractionPosterior condition(const Series& partner, const Eigen::VectorXd& phase,
+  InteractionPosterior condition(const RowMatrix& partner, const Eigen::VectorXd& phase,
                                  const std::optional<Eigen::VectorXd>& environment) const;
 
   InteractionObserver begin(const std::optional<Eigen::VectorXd>& environment) const;
 
-  const Series& parameters() const;
-  const Series& starts() const;
-  const std::optional<Series>& environment() const;
+  const RowMatrix& parameters() const;
+  const RowMatrix& starts() const;
+  const std::optional<RowMatrix>& environment() const;
   int partner_dimensions() const;
   int robot_dimensions() const;
   const InteractionPrimitiveConfig& config() const;  ///< with the noise in use
@@ -121,6 +122,6 @@ class InteractionPrimitive {
 };
 
 /// F of 5.12 of a partner's positions (K, n) at falling phases (K,); NaN where fewer than 3 samples in a row were seen.
-Series partner_forcing(const Series& positions, const Eigen::VectorXd& phase, const DmpConfig& config = {});
+RowMatrix partner_forcing(const RowMatrix& positions, const Eigen::VectorXd& phase, const DmpConfig& config = {});
 
 }  // namespace lfdcore
