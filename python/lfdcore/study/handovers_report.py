@@ -35,8 +35,8 @@ ABOUT = (
     "sigma^2 is chosen from those that teach.\n\n"
     "Nothing of the scene is known beforehand in these data, so that there is no environment: IP is the plain "
     "interaction primitive, whose phase is where the samples are likeliest (humanoid/partner_phase), which is ours; "
-    "by time warping, it is DTW's against the giver's mean motion (5.5); by the clock, the time over the "
-    "demonstrations' mean duration. KTH's recordings were cut to one "
+    "by time warping, it is DTW's against the giver's mean motion (5.5), with IP's sigma^2; by the clock, the time "
+    "over the demonstrations' mean duration. KTH's recordings were cut to one "
     "duration, so that there the clock tells as much as the oracle. Oracles are told what nobody can know by then: "
     "the phase, or where the handover takes place (given as e, with IP's sigma^2)."
 )

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, neutral_posture
-from lfdcore.humanoid.covering import CLEARANCE
+from lfdcore.humanoid.covering import CLEARANCE, Capsule
 from lfdcore.kinematics import SelfCollision
-from lfdcore.study.covering_task import BOUNDING_BOX, RIGHT_GRIPPER, covering_data
+from lfdcore.study.covering_task import BOUNDING_BOX, RIGHT_GRIPPER, box_of, covering_data
 from lfdcore.study.joint_space import (
     FOLLOWED,
     GRIPPER,
@@ -117,6 +118,21 @@ def test_joints_outside_their_limits_or_in_the_body_are_not_sent(setting: ArmSet
     q[[setting.robot.joint_names.index(name) for name in setting.chain.joint_names]] = folded[0]
     assert SelfCollision(setting.robot).distance(q) < 0.02
     assert setting.checked(JOINTS, joints, outcome) == (None, "self_collision")
+
+
+def test_an_arm_in_the_object_does_not_cover_it_though_the_mouth_does(
+    setting: ArmSetting, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = covering_data(PROTOCOL, 100, held_out=1).training[0]
+    followed = setting.in_joints(one)
+    assert followed is not None
+    joints = JointMotion(followed.robot_names, followed.stamp, followed.robot, np.zeros_like(followed.robot))
+    assert _judged(setting, joints, box_of(one))["covered"]
+    middle = np.tile(box_of(one).centre, (len(joints.time), 1))
+    monkeypatch.setattr("lfdcore.study.joint_space.arm_capsules", lambda *given: [Capsule(middle, middle, 0.05)])
+    judged = _judged(setting, joints, box_of(one))
+    assert judged["covered_by_mouth"]
+    assert not judged["covered"]
 
 
 def test_joints_that_are_too_fast_take_longer(setting: ArmSetting) -> None:

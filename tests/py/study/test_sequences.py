@@ -71,6 +71,16 @@ def test_held_out_demonstrations_do_not_teach(monkeypatch: pytest.MonkeyPatch) -
         np.testing.assert_array_equal(a.mean, b.mean)
 
 
+def test_what_is_asked_was_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    draw, asked = draws_of(STUDY)[0], []
+    monkeypatch.setattr(
+        "lfdcore.study.sequences.answers", lambda hmm, motion, first=None: asked.append(motion) or [0] * 7
+    )
+    draw.run()
+    held_out = [one[k].tobytes() for one in draw.motions for k in draw.order[TAUGHT:]]
+    assert {motion.tobytes() for motion in asked} == set(held_out)
+
+
 def test_the_way_back_is_straight_and_leads_to_the_start() -> None:
     motion = samples(STUDY.shapes[0].positions[0])
     whole = before(motion)
