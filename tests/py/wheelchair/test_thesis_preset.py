@@ -323,7 +323,11 @@ def test_each_field_of_the_preset_changes_an_outcome(
 ) -> None:
     kind, *path = name.split(".")
     for base, value in ((0, SET[name][1]), (1, SET[name][0])):  # turned back in the preset, then set in the defaults
-        changed = outcome(kind, with_value(PRESETS[kind][base], path, value))
+        try:
+            config = with_value(PRESETS[kind][base], path, value)
+        except ValueError:  # refused beside the other fields: the other way round must show it
+            continue
+        changed = outcome(kind, config)
         if any(a != b for a, b in zip_longest(changed, whole_outcome(kind, base))):
             return
     pytest.fail(f"{name} changes nothing in any scene: add a scene that shows what it does, or leave it out")
