@@ -122,7 +122,8 @@ def _facts(
         "observed": f"{seen.duration:.2f} s of the partner, {len(seen)} samples",
         "phase": f"{100 * inference.share:.0f} % of the motion" if known else "not told apart from the start yet",
         "duration": f"{inference.duration:.2f} s at the partner's tempo (demonstrated {model.duration:.2f} s)",
-        "environment": ", ".join(f"{name} {value:g}" for name, value in heeded.items()) or "not heeded",
+        "environment": ", ".join(f"{name} {_taught(model, name, value)}" for name, value in heeded.items())
+        or "not heeded",
     }
 
 
@@ -165,14 +166,26 @@ def _learned_joints(robot: RobotModel, joints: JointMotion, wanted: float) -> tu
 _UNCHECKED = "self-collision was not looked for: the robot has no collision shapes"
 
 
+def _taught(model: CollaborationModel, name: str, value: float) -> str:
+    """A value of the environment, and a warning where nothing like it was taught."""
+    low, high = model.taught(name)
+    return f"{value:g}" if low <= value <= high else f"{value:g} (BEYOND WHAT WAS TAUGHT: {low:g} to {high:g})"
+
+
 def _arm_told(robot: RobotModel, arm: ArmMotion) -> str:
+    from lfdcore.kinematics import FollowConfig
+
     result = arm.result
     names = [robot.link_names[k] for k in result.nearest_links] if result.nearest_links else []
-    near = f"links keep {result.clearance:.3f} m apart ({', '.join(names)})" if names else _UNCHECKED
+    near = f"links keep {result.clearance:.3f} m apart ({', '.join(names)})" if names else ""
+    near = near if robot.collision_shapes else _UNCHECKED
     if arm.followed:
         errors = f"{1e3 * result.position_error:.2f} mm, {result.rotation_error:.1e} rad off at most"
         return f"followed inside all limits: {errors}; {result.slowdown:.2f} times as long; {near}"
-    return f"cannot follow from sample {result.first_failure} on: {result.outcome.replace('_', ' ')}; {near}"
+    if result.outcome == "self_collision":
+        near += f", must be {FollowConfig().clearance:g} m"
+    outcome = f"cannot follow from sample {result.first_failure} on: {result.outcome.replace('_', ' ')}"
+    return f"{outcome}; {near}" if near else outcome
 
 
 def _execute(robot: RobotModel, joints: JointMotion) -> Execution:

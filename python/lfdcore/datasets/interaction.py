@@ -283,7 +283,10 @@ def load_interaction(path: str | os.PathLike[str]) -> InteractionRecording:
         try:
             return _unpacked(file)
         except _BROKEN as broken:
-            raise DataError(f"{path}: {' '.join(str(broken).split()) or type(broken).__name__}") from broken
+            said = " ".join(str(broken).split()) or type(broken).__name__
+            if isinstance(broken, zipfile.BadZipFile):
+                said = f"is no recorded collaboration (.npz), or is cut: {said}"
+            raise DataError(f"{path}: {said}") from broken
 
 
 _BROKEN = (

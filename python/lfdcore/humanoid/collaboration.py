@@ -174,6 +174,7 @@ class CollaborationModel:
         even = [evenly(one, config) for one in demonstrations]
         robot = PoseColumns.of(robot_names, [one.robot for one in even])
         names, values = environments(demonstrations) if config.environment else ((), np.zeros((len(even), 0)))
+        _require_varying(names, values)
         primitive = InteractionPrimitive.fit(
             [one.partner for one in even],
             [robot.learned(one.robot) for one in even],
@@ -228,10 +229,20 @@ class CollaborationModel:
             "demonstrations": len(self.primitive.parameters),
             "partner": ", ".join(self.partner_names),
             "robot": ", ".join(self.robot.names),
-            "environment": ", ".join(self.environment_names) or "none: a plain interaction primitive",
+            "environment": ", ".join(
+                f"{name} {low:g} to {high:g}" for name in self.environment_names for low, high in [self.taught(name)]
+            )
+            or "none: a plain interaction primitive",
             "duration": f"{self.duration:.2f} s",
             "observe": f"{self.config.observe}, noise {float(self.primitive.config.noise or 0):.3g}",
         }
+
+    def taught(self, name: str) -> tuple[float, float]:
+        """The least and the largest value of the environment in the demonstrations. ValueError for another name."""
+        if self.primitive.environment is None or name not in self.environment_names:
+            raise ValueError(f"{name} was not learned from: {', '.join(self.environment_names) or 'no environment'}")
+        column = self.primitive.environment[:, self.environment_names.index(name)]
+        return float(column.min()), float(column.max())
 
     def _environment(self, given: Mapping[str, float] | None) -> Array | None:
         if given is None or not self.environment_names:
@@ -342,6 +353,15 @@ def _names(header: Mapping[str, Any], key: str) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         raise ValueError(f"{key} names {max(names, key=names.count)} more than once")
     return tuple(names)
+
+
+def _require_varying(names: Sequence[str], values: Array) -> None:
+    for name, column in zip(names, values.T, strict=True):
+        if not np.ptp(column) > 0:
+            raise ValueError(
+                f"{name} is {column[0]:g} in all demonstrations, must vary: leave it out of their environments, or "
+                "learn without any (--plain)"
+            )
 
 
 def _common_columns(demonstrations: Sequence[InteractionRecording]) -> tuple[tuple[str, ...], tuple[str, ...]]:

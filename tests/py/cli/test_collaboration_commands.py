@@ -86,7 +86,10 @@ def test_learn_writes_the_same_model_twice_and_says_what_it_learned(folder, monk
         code, out, err = run(monkeypatch, capsys, "learn", "collaboration", *demos, "-o", model, "--json")
         assert code == 0, err
         facts = json.loads(out)
-        assert (facts["demonstrations"], facts["environment"]) == (6, "object.height, object.width")
+        assert (facts["demonstrations"], facts["environment"]) == (
+            6,
+            "object.height 0.75 to 0.9, object.width 0.34 to 0.4",
+        )
         assert "noise" in err
     assert (tmp_path / "a.safetensors").read_bytes() == (tmp_path / "b.safetensors").read_bytes()
     plain = tmp_path / "plain.safetensors"

@@ -228,7 +228,7 @@ def no_robot(one: InteractionRecording) -> InteractionRecording:
             [*lifts(2), dataclasses.replace(lift(2), environment={"width": 1.0})],
             r"lift 2 has the environment \['width'\]",
         ),
-        ([lift(k, height=0.7) for k in range(3)], "environment column 0 is 0.7.* must vary"),
+        ([lift(k, height=0.7) for k in range(3)], "height is 0.7 in all demonstrations, must vary.*--plain"),
         ([*lifts(2), unseen(lift(2))], "lift 2: hand.x was never seen"),
         ([*lifts(2), hidden(lift(2), slice(10, 50))], "lift 2: hand.x was not seen for 1.39 s"),
         ([*lifts(2), lift(2, samples=1)], "lift 2: resampling needs at least 2 samples"),
@@ -413,3 +413,11 @@ def test_a_file_with_a_flipped_bit_or_cut_short_is_refused(tmp_path: Path) -> No
         path.write_bytes(damaged)
         with pytest.raises(ModelError):
             CollaborationModel.load(path)
+
+
+def test_the_range_of_what_was_taught_is_told() -> None:
+    low, high = MODEL.taught("height")
+    assert low < 0.8 < high
+    assert f"height {low:g} to {high:g}" in MODEL.summary()["environment"]
+    with pytest.raises(ValueError, match="width was not learned from: height"):
+        MODEL.taught("width")
