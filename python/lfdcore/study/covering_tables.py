@@ -150,6 +150,8 @@ def shares_table(result: CoveringResult) -> Table:
 
 
 def _interval(s: Summary, digits: int = 2) -> str:
+    if s.n < 2:
+        return f"{s.mean:.{digits}f}"
     return f"{s.mean:.{digits}f}\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]"
 
 
@@ -204,6 +206,8 @@ def partner_table(result: CoveringResult) -> Table:
 
 def _worse(own: Floats, other: Floats) -> str:
     s = summarise(other - own)
+    if s.n < 2:
+        return f"{s.mean:+.2f}"
     return f"{s.mean:+.2f}\n[{s.low:+.2f}, {s.high:+.2f}]\np {paired_test(own, other).p:.3f}"
 
 

@@ -63,3 +63,8 @@ def test_its_demonstrations_can_be_learned_from_and_collaborated_with(monkeypatc
     assert code == 1
     assert "cannot follow from sample 0 on: out of reach" in err
     assert "no collision shapes" not in err
+
+
+def test_one_seed_has_no_intervals_and_says_nothing_of_nan(quick, monkeypatch, capsys, tmp_path: Path) -> None:
+    _, out, _ = run(monkeypatch, capsys, *WORDS, "-o", tmp_path)
+    assert "nan" not in out
