@@ -16,7 +16,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 
 from lfdcore.training.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx
-from lfdcore.wheelchair.sensor_heatmap import INPUT, NaiveHeatmap, SensorHeatmap
+from lfdcore.wheelchair.heatmaps.sensor import INPUT, NaiveHeatmap, SensorHeatmap
 
 
 def timed(call: Callable[[], object]) -> float:

@@ -24,15 +24,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets import open_log
-from lfdcore.study.courses import office
+from lfdcore.simulated.courses import office
+from lfdcore.simulated.drivers import ImpairedDriver, population
+from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.study.demonstrations import learn_from_demonstrations
-from lfdcore.study.drivers import ImpairedDriver, population
-from lfdcore.study.runner import RunConfig, run_drive
-from lfdcore.wheelchair import assistants, drivable_path, heatmap_planner, primitives_planner
+from lfdcore.wheelchair import assistants, drivable_path
 from lfdcore.wheelchair.assistants import DriveAssistant
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmaps import planner as heatmap_planner
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.observation import Observation, observations
+from lfdcore.wheelchair.primitives import planner as primitives_planner
 
 CLOCKS = {"wall": time.perf_counter, "CPU": time.thread_time}
 """CPU time tells what a quiet machine would show where this one is not."""
@@ -178,7 +180,7 @@ def resident() -> float:
 
 def briefly_taught(folder: Path) -> Path:
     """The file of a heatmaps' model. A network takes as long whatever it says, but the drive must lead somewhere."""
-    from lfdcore.study.heatmap_demonstrations import demonstrate_in_mazes
+    from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
     from lfdcore.training.heatmap_net import HeatmapNetConfig
 

@@ -8,12 +8,12 @@ import tempfile
 from pathlib import Path
 
 from lfdcore.geometry import Pose2
-from lfdcore.study.courses import doorway_and_docking
+from lfdcore.simulated.courses import doorway_and_docking
+from lfdcore.simulated.drivers import ImpairedDriver
+from lfdcore.simulated.run import RunConfig, run_drive
+from lfdcore.study.arms import StudyModels, make_assistant
 from lfdcore.study.demonstrations import learn_from_demonstrations
-from lfdcore.study.drivers import ImpairedDriver
-from lfdcore.study.driving import StudyModels, make_assistant
-from lfdcore.study.metrics import driving_metrics
-from lfdcore.study.runner import RunConfig, run_drive
+from lfdcore.study.driving.metrics import driving_metrics
 
 seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 task = doorway_and_docking(seed)

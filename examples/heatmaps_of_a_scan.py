@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 
 from lfdcore.datasets import joystick_from_motion, open_log
 from lfdcore.grid import local_grid
+from lfdcore.pictures.window import draw_stick, draw_window, front_axes
 from lfdcore.planning import MovementTemplate, joystick_orientation, user_heatmap
-from lfdcore.study.window_plots import draw_stick, draw_window, front_axes
 from lfdcore.wheelchair.beams import WINDOW
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import ChairGeometry, observations
 
 model = HeatmapModel.load(sys.argv[1])

@@ -1,6 +1,7 @@
 """Predict where a driver is going along a real log, against two baselines: python examples/predict_a_log.py LOG
 
-Learns from the first 70 % of the log's scans and predicts on the rest; the metric is that of lfdcore.study.path_error.
+Learns from the first 70 % of the log's scans and predicts on the rest; the metric is that of
+lfdcore.study.prediction.path_error.
 """
 
 import sys
@@ -8,9 +9,16 @@ import sys
 import numpy as np
 
 from lfdcore.datasets import joystick_from_motion, open_log
-from lfdcore.study.path_error import REACHES, at_arc_lengths, constant_arc, path_errors, path_samples, straight
-from lfdcore.wheelchair.model_file import learn_drive
-from lfdcore.wheelchair.path_prediction import PathPredictor
+from lfdcore.study.prediction.path_error import (
+    REACHES,
+    at_arc_lengths,
+    constant_arc,
+    path_errors,
+    path_samples,
+    straight,
+)
+from lfdcore.training.drive_primitives import learn_drive
+from lfdcore.wheelchair.primitives.prediction import PathPredictor
 
 log = joystick_from_motion(open_log(sys.argv[1]))
 predictor = PathPredictor(learn_drive([log.share(0, 0.7)]))

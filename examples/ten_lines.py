@@ -3,8 +3,8 @@
 import sys
 
 from lfdcore.datasets import joystick_from_motion, open_log
+from lfdcore.training.drive_primitives import learn_drive
 from lfdcore.wheelchair.assistants import DriveAssistant
-from lfdcore.wheelchair.model_file import learn_drive
 from lfdcore.wheelchair.observation import observations
 
 log = joystick_from_motion(open_log(sys.argv[1]))  # a recorded joystick is left alone

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from lfdcore.study.goal_drives import GoalDrives
+    from lfdcore.study.goals.drives import GoalDrives
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +35,7 @@ def home_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def heatmap_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of heatmaps that a small network learned from four runs in the mazes (about 10 s, once a session)."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.heatmap_demonstrations import demonstrate_in_mazes
+    from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
     from lfdcore.training.heatmap_net import HeatmapNetConfig
 
@@ -51,6 +51,6 @@ def heatmap_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def goal_drives(tmp_path_factory: pytest.TempPathFactory) -> GoalDrives:
     """All 36 drives to the destinations of the goal building, with their logs (about 15 s, once a session)."""
-    from lfdcore.study.goal_drives import record_goal_drives
+    from lfdcore.study.goals.drives import record_goal_drives
 
     return record_goal_drives(tmp_path_factory.mktemp("goal_drives"), processes=2)

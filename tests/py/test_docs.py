@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from lfdcore.study.courses import home
-from lfdcore.study.drivers import ExpertDriver
-from lfdcore.study.runner import run_drive
+from lfdcore.simulated.courses import home
+from lfdcore.simulated.drivers import ExpertDriver
+from lfdcore.simulated.run import run_drive
 from lfdcore.wheelchair.assistants import Unassisted
 
 ROOT = Path(__file__).parents[2]

@@ -16,9 +16,11 @@ MAY_IMPORT = {
     "datasets": FACADES,
     "wheelchair": FACADES | {"datasets"},
     "humanoid": FACADES | {"datasets"},
+    "simulated": FACADES | {"datasets", "wheelchair", "humanoid"},
     "training": FACADES | {"datasets", "wheelchair", "humanoid"},
-    "study": FACADES | {"datasets", "wheelchair", "humanoid", "training"},
-    "cli": FACADES | {"datasets", "wheelchair", "humanoid", "training", "study"},
+    "pictures": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training"},
+    "study": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
+    "cli": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion", "row_matrix"}

@@ -75,7 +75,7 @@ def collaborate(
     joints, told = _joints(robot, model, inference, base, tip, tool)
     facts["arm"] = told
     if picture is not None:
-        from lfdcore.study.collaboration_plots import collaboration_figure
+        from lfdcore.pictures.collaboration import collaboration_figure
 
         save_picture(collaboration_figure(model, inference, seen), picture)
     aborted = joints is not None and _done(joints, robot, output, execute, facts)

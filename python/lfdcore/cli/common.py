@@ -96,7 +96,7 @@ def require_drawable(option: str, path: Path | None, allowed: tuple[str, ...] = 
 
 def save_picture(figure: Figure, path: Path) -> None:
     """Writes a figure, as PNG the same bytes for the same figure, and says where."""
-    from lfdcore.study.plots import png
+    from lfdcore.pictures.style import png
 
     if path.suffix.lower() == ".png":
         path.write_bytes(png(figure, dpi=150))

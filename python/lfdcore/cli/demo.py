@@ -14,9 +14,9 @@ from lfdcore.cli.common import SeedOption
 if TYPE_CHECKING:
     from lfdcore.cli.common import Stages
     from lfdcore.datasets.drive_log import DriveLog
-    from lfdcore.study.driving import StudyModels
-    from lfdcore.study.report import Section
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.study.arms import StudyModels
+    from lfdcore.study.report.page import Section
+    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 FREIBURG = Path("logs/freiburg-079-corrected.log.gz")
 """The log in the folder that LFDCORE_DATA names."""
@@ -49,8 +49,8 @@ def _sections(output: Path, seed: int, study: StudyModels, tell: Stages) -> list
 def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> list[Section]:
     """Table 4.2 and the stages of heatmaps: every method learns from the same drives through the mazes."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.heatmap_comparison import ModelFiles, learn_rivals
-    from lfdcore.study.heatmap_report import a_posteriori_sections
+    from lfdcore.study.heatmaps.comparison import ModelFiles, learn_rivals
+    from lfdcore.study.heatmaps.report import a_posteriori_sections
 
     if study.heatmaps is None:
         return []
@@ -62,11 +62,12 @@ def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> 
 
 def _real_section(study: StudyModels) -> list[Section]:
     """A prediction along a real log, if there is one at hand."""
-    from lfdcore.study.prediction import predict_log
-    from lfdcore.study.prediction_picture import prediction_figure
-    from lfdcore.study.report import Picture, Section
-    from lfdcore.study.tables import prediction_table
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.pictures.style import Picture
+    from lfdcore.study.driving.tables import prediction_table
+    from lfdcore.study.prediction.picture import prediction_figure
+    from lfdcore.study.prediction.study import predict_log
+    from lfdcore.study.report.page import Section
+    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
     title = "Prediction along a real log"
     path = real_log()
@@ -87,12 +88,13 @@ def _real_section(study: StudyModels) -> list[Section]:
 def _judged(path: Path) -> tuple[DriveLog, dict[str, DriveAssistantModel]]:
     """What to predict on: the rest of a log long enough to learn from its first 70 %, else all of it."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import SHARE, learn_from_logs
+    from lfdcore.study.prediction.study import SHARE
+    from lfdcore.training.drive_primitives import first_share, learn_drive
 
     log = open_log(path)
     if path == SENA:
         return log, {}
-    return log.share(SHARE, 1.0), {f"its first {100 * SHARE:.0f} %": learn_from_logs([log], SHARE)}
+    return log.share(SHARE, 1.0), {f"its first {100 * SHARE:.0f} %": learn_drive(first_share([log], SHARE))}
 
 
 def real_log() -> Path | None:

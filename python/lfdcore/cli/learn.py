@@ -90,14 +90,16 @@ def learn_drive_command(
 def _learn(
     method: Method, drives: list[DriveLog], share: float, preset: Preset, bar: Progress
 ) -> tuple[Model, TrainedHeatmapNet | None]:
-    from lfdcore.study.prediction import first_share, learn_from_logs
+    from lfdcore.training.drive_primitives import first_share, learn_drive
 
     tell = Stages(bar)
     if method is Method.primitives:
-        from lfdcore.wheelchair.model_file import LearningConfig
+        from lfdcore.training.drive_primitives import LearningConfig
 
         settings = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
-        return learn_from_logs(drives, share, settings, lambda done, total: tell("learning", done, total)), None
+        return learn_drive(
+            first_share(drives, share), settings, lambda done, total: tell("learning", done, total)
+        ), None
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps, learn_naive_heatmap
 
     demonstrations = first_share(drives, share)

@@ -27,10 +27,11 @@ if TYPE_CHECKING:
 
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.geometry import Footprint
-    from lfdcore.study.heatmap_comparison import ComparedModels, Comparison
-    from lfdcore.study.prediction import LogPrediction, StickMeaning
+    from lfdcore.study.heatmaps.comparison import ComparedModels, Comparison
+    from lfdcore.study.prediction.study import LogPrediction
     from lfdcore.wheelchair.models import Model
-    from lfdcore.wheelchair.path_prediction import PathPredictionConfig
+    from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig
+    from lfdcore.wheelchair.stick import StickMeaning
 
 
 LARGEST = 100.0
@@ -83,7 +84,8 @@ def predict(
 ) -> None:
     """Predict paths along recorded drives and compare them with what was driven: path error beside two baselines."""
     from lfdcore.datasets import open_log
-    from lfdcore.study.prediction import StickMeaning, predict_log
+    from lfdcore.study.prediction.study import predict_log
+    from lfdcore.wheelchair.stick import StickMeaning
 
     if not begin < end:
         raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
@@ -115,7 +117,7 @@ def predict(
 def _print_json(
     predictions: list[LogPrediction], comparison: Comparison | None, begin: float, end: float, seed: int
 ) -> None:
-    from lfdcore.study.prediction import as_json, pooled_rows
+    from lfdcore.study.prediction.tables import as_json, pooled_rows
 
     together = [dataclasses.asdict(row) for row in pooled_rows(predictions, seed)]
     logs = [as_json(prediction, seed) for prediction in predictions]
@@ -127,7 +129,7 @@ def _print(
     predictions: list[LogPrediction], comparison: Comparison | None, begin: float, end: float, seed: int
 ) -> None:
     """A table a log, one of all logs where several have samples, and Table 4.2 where it was asked for."""
-    from lfdcore.study.prediction import as_text, pooled_text
+    from lfdcore.study.prediction.tables import as_text, pooled_text
 
     typer.echo(f"Scans {begin:g} to {end:g} of each log; intervals: block bootstrap over 5 m of way, seed {seed}.\n")
     for prediction in predictions:
@@ -135,13 +137,13 @@ def _print(
     if sum(not prediction.outcome for prediction in predictions) > 1:
         typer.echo(pooled_text(predictions, seed))
     if comparison is not None:
-        from lfdcore.study.heatmap_report import comparison_table
+        from lfdcore.study.heatmaps.report import comparison_table
 
         typer.echo(comparison_table(comparison, None).as_text())
 
 
 def _draw_concatenated(comparison: Comparison, picture: Path) -> None:
-    from lfdcore.study.comparison_plots import concatenated_figure, median_runs
+    from lfdcore.study.heatmaps.pictures import concatenated_figure, median_runs
 
     save_picture(concatenated_figure(median_runs(comparison.runs)), picture)
 
@@ -149,7 +151,7 @@ def _draw_concatenated(comparison: Comparison, picture: Path) -> None:
 def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
     from dataclasses import replace
 
-    from lfdcore.wheelchair.path_prediction import PathPredictionConfig
+    from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig
 
     config = PathPredictionConfig.thesis() if preset is Preset.thesis else PathPredictionConfig()
     return config if rule is None else replace(config, rule=rule.value)
@@ -157,7 +159,7 @@ def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
 
 def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, Model]) -> None:
     """Both say how path primitives predict; with heatmaps there is one way, and the thesis prints none."""
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
     option = f"--rule {rule.value}" if rule is not None else "--preset thesis"
     asked = rule is not None or preset is Preset.thesis
@@ -167,9 +169,9 @@ def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, 
 
 
 def _of_each_kind(models: dict[str, Model]) -> ComparedModels:
-    from lfdcore.study.heatmap_comparison import ComparedModels
-    from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-    from lfdcore.wheelchair.model_file import DriveAssistantModel
+    from lfdcore.study.heatmaps.comparison import ComparedModels
+    from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
+    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
     primitives = [model for model in models.values() if isinstance(model, DriveAssistantModel)]
     naive = [model for model in models.values() if isinstance(model, NaiveHeatmapModel)]
@@ -185,8 +187,8 @@ def _compare(
     logs: list[DriveLog], models: ComparedModels, meaning: StickMeaning, tell: Callable[[int, int], None]
 ) -> Comparison:
     """A stick that was not recorded is one for all methods: what the heatmaps' demonstrations meant by it."""
-    from lfdcore.study.heatmap_comparison import Comparison, ComparisonConfig, compare_on_log
-    from lfdcore.study.prediction import with_stick
+    from lfdcore.study.heatmaps.comparison import Comparison, ComparisonConfig, compare_on_log
+    from lfdcore.wheelchair.stick import with_stick
 
     runs, config = [], ComparisonConfig()
     tell(0, len(logs))
@@ -246,7 +248,7 @@ def _load(files: list[Path]) -> dict[str, Model]:
 
 
 def _draw(predictions: list[LogPrediction], outline: Footprint, picture: Path) -> None:
-    from lfdcore.study.prediction_picture import prediction_figure
+    from lfdcore.study.prediction.picture import prediction_figure
 
     if all(prediction.outcome for prediction in predictions):
         typer.echo(f"{picture} is not drawn: no log has a sample", err=True)

@@ -22,9 +22,10 @@ from lfdcore.cli.study_passing import study_passing
 from lfdcore.cli.study_sequences import study_sequences
 
 if TYPE_CHECKING:
-    from lfdcore.study.driving import DrivingResult, StudyModels
-    from lfdcore.study.driving_tasks import TaskResult
-    from lfdcore.study.report import Section
+    from lfdcore.study.arms import StudyModels
+    from lfdcore.study.driving.study import DrivingResult
+    from lfdcore.study.driving.tasks import TaskResult
+    from lfdcore.study.report.page import Section
 
 More = Callable[["StudyModels", Stages], "Sequence[Section]"]
 
@@ -66,7 +67,8 @@ class DrivingOutcome:
 
     def print_tables(self) -> None:
         """The result in a line, all tables, then the report's path."""
-        from lfdcore.study.tables import WIDTH, driving_tables, headline, task_tables, wrapped
+        from lfdcore.study.driving.tables import driving_tables, headline, task_tables
+        from lfdcore.study.report.table import WIDTH, wrapped
 
         typer.echo("\n".join(wrapped(headline(self.result), WIDTH)) + "\n")
         for table in driving_tables(self.result) + (task_tables(self.tasks) if self.tasks else []):
@@ -80,10 +82,11 @@ def drive_and_report(plan: DrivingPlan, more: More = lambda models, tell: (), co
     `more` makes sections of the models, telling how far it is; `command` is named in the report as what
     made it, else the plan's own.
     """
-    from lfdcore.study.courses import course_by_name
-    from lfdcore.study.driving import DrivingStudy, models_by_method, require_arms, require_once, run_driving_study
-    from lfdcore.study.driving_report import write_driving_report
-    from lfdcore.study.driving_tasks import TaskStudy, run_task_study
+    from lfdcore.simulated.courses import course_by_name
+    from lfdcore.study.arms import models_by_method, require_arms, require_once
+    from lfdcore.study.driving.report import write_driving_report
+    from lfdcore.study.driving.study import DrivingStudy, run_driving_study
+    from lfdcore.study.driving.tasks import TaskStudy, run_task_study
 
     given = models_by_method(plan.models)  # refused before anything is driven
     courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
@@ -118,9 +121,8 @@ def drive_and_report(plan: DrivingPlan, more: More = lambda models, tell: (), co
 
 def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyModels, tell: Stages) -> StudyModels:
     """The models that the arms need, learned from demonstrations where none was given."""
-    from lfdcore.study.demonstrations import learn_from_demonstrations
-    from lfdcore.study.driving import METHODS, StudyModels
-    from lfdcore.study.heatmap_demonstrations import learn_heatmaps_from_demonstrations
+    from lfdcore.study.arms import METHODS, StudyModels
+    from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
 
     needed = {METHODS[arm] for arm in arms if arm in METHODS}
     primitives, heatmaps = given.primitives, given.heatmaps

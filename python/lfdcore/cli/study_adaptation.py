@@ -28,10 +28,10 @@ def study_adaptation(
     as_json: JsonOption = False,
 ) -> None:
     """Drivers with a steering bias: the joystick model's error before and while it adapts (Sec. 6.2.1)."""
-    from lfdcore.study.adaptation import AdaptationStudy, run_adaptation_study
-    from lfdcore.study.adaptation_report import adaptation_table, ratio_rows, write_adaptation
-    from lfdcore.study.courses import course_by_name
-    from lfdcore.study.driving import require_once
+    from lfdcore.simulated.courses import course_by_name
+    from lfdcore.study.adaptation.report import adaptation_table, ratio_rows, write_adaptation
+    from lfdcore.study.adaptation.study import AdaptationStudy, run_adaptation_study
+    from lfdcore.study.arms import require_once
 
     driven = tuple(course_by_name(name, seed) for name in courses.split(","))
     require_once("course", [course.name for course in driven])

@@ -25,8 +25,8 @@ def study_backwards(
     as_json: JsonOption = False,
 ) -> None:
     """Drivers who go backwards through a hall, 360-degree scanner: collisions, time and paths by assistant."""
-    from lfdcore.study.backwards import BackwardsStudy, require_arms, run_backwards_study
-    from lfdcore.study.backwards_report import backwards_table, run_rows, write_backwards
+    from lfdcore.study.backwards.report import backwards_table, run_rows, write_backwards
+    from lfdcore.study.backwards.study import BackwardsStudy, require_arms, run_backwards_study
 
     driven = tuple(arms.split(","))
     require_arms(driven)

@@ -27,10 +27,10 @@ def study_covering(
 ) -> None:
     """EaIP and IP cover furniture with a simulated partner: success, Fig. 5.9 and 5.13-5.17, what the partner is
     worth."""
-    from lfdcore.study.covering import CoveringStudy, run_covering_study
-    from lfdcore.study.covering_report import covering_headline, write_covering_report
-    from lfdcore.study.covering_tables import aims, covering_tables
-    from lfdcore.study.covering_task import covering_data, write_demonstrations
+    from lfdcore.simulated.covering import covering_data, write_demonstrations
+    from lfdcore.study.covering.report import covering_headline, write_covering_report
+    from lfdcore.study.covering.study import CoveringStudy, run_covering_study
+    from lfdcore.study.covering.tables import aims, covering_tables
 
     output.mkdir(parents=True, exist_ok=True)
     study = CoveringStudy(seeds=seeds, seed=seed, held_out=people)

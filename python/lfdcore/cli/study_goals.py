@@ -28,9 +28,9 @@ def study_goals(
     """Drives to six destinations -> network, Gaussian process and filter: Tables 2.1-2.2, Fig. 2.4-2.8. Needs torch."""
     from dataclasses import replace
 
-    from lfdcore.study.courses import goal_building, goals_in_map
-    from lfdcore.study.goal_report import goal_headline, goal_tables, write_goal_report
-    from lfdcore.study.goal_study import GoalStudy, run_goal_study
+    from lfdcore.simulated.courses import goal_building, goals_in_map
+    from lfdcore.study.goals.report import goal_headline, goal_tables, write_goal_report
+    from lfdcore.study.goals.study import GoalStudy, run_goal_study
     from lfdcore.training.goal_models import GoalLearningConfig
 
     world = goal_building() if map_file is None else goals_in_map(map_file, seed)

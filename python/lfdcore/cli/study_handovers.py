@@ -20,14 +20,14 @@ def study_handovers(
     as_json: JsonOption = False,
 ) -> None:
     """Real handovers: error of the foretold taker by share observed, for IP and baselines, with intervals."""
-    from lfdcore.study.handovers import HandoverStudy, handover_tasks, run_handover_study
-    from lfdcore.study.handovers_report import (
+    from lfdcore.study.handovers.report import (
         handover_headline,
         handover_rows,
         seen_tables,
         task_tables,
         write_handover_report,
     )
+    from lfdcore.study.handovers.study import HandoverStudy, handover_tasks, run_handover_study
 
     require_each_once(data)
     study = HandoverStudy(tasks=handover_tasks(data), splits=splits, seed=seed)

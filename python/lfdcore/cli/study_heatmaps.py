@@ -17,8 +17,8 @@ ModelOption = Annotated[
 def heatmaps_or_learned(model: Path | None, folder: Path, seed: int, tell: Stages, processes: int | None) -> Path:
     """The file given, or that of heatmaps learned in `folder` from demonstrations. ValueError for a model of another
     method."""
-    from lfdcore.study.driving import models_by_method
-    from lfdcore.study.heatmap_demonstrations import learn_heatmaps_from_demonstrations
+    from lfdcore.study.arms import models_by_method
+    from lfdcore.study.demonstrations import learn_heatmaps_from_demonstrations
 
     if model is None:
         folder.mkdir(parents=True, exist_ok=True)

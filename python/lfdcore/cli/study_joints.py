@@ -20,13 +20,13 @@ def study_joints(
     as_json: JsonOption = False,
 ) -> None:
     """The covering task learned as joint angles and as gripper poses: paths, limits, collisions, time."""
-    from lfdcore.study.joint_space import JointSpaceStudy, run_joint_space_study
-    from lfdcore.study.joint_space_report import (
+    from lfdcore.study.joints.report import (
         better_at,
         joint_space_headline,
         joint_space_tables,
         write_joint_space_report,
     )
+    from lfdcore.study.joints.study import JointSpaceStudy, run_joint_space_study
 
     study = JointSpaceStudy(seeds=seeds, seed=seed, held_out=held_out)
     output.mkdir(parents=True, exist_ok=True)

@@ -23,8 +23,8 @@ def study_learning_curve(
 
     Models stay in the folder: a second study there drives only.
     """
-    from lfdcore.study.learning_curve import LearningCurveStudy, run_learning_curve
-    from lfdcore.study.learning_curve_report import curve_table, write_learning_curve
+    from lfdcore.study.learning_curve.report import curve_table, write_learning_curve
+    from lfdcore.study.learning_curve.study import LearningCurveStudy, run_learning_curve
 
     study = LearningCurveStudy(folder=output, runs=_numbers(runs), drivers=drivers, seed=seed)
     with progress_bar() as bar:

@@ -22,8 +22,8 @@ def study_passing(
     as_json: JsonOption = False,
 ) -> None:
     """Passing over rectangles, known and novel, after a glimpse of the partner: Fig. 5.5-5.7, IP beside EaIP."""
-    from lfdcore.study.passing import PassingExample, PassingStudy, run_passing_study
-    from lfdcore.study.passing_report import claim_row, claims, passing_headline, passing_tables, write_passing
+    from lfdcore.study.passing.report import claim_row, claims, passing_headline, passing_tables, write_passing
+    from lfdcore.study.passing.study import PassingExample, PassingStudy, run_passing_study
 
     study = PassingStudy(seeds=seeds, seed=seed, demonstrations=demonstrations)
     output.mkdir(parents=True, exist_ok=True)

@@ -22,14 +22,14 @@ def study_sequences(
 ) -> None:
     """Three handwriting shapes as tasks: which has begun, foreign ones, switches, by share observed."""
     from lfdcore.datasets import read_all_handwriting
-    from lfdcore.study.sequences import SequenceStudy, run_sequence_study
-    from lfdcore.study.sequences_report import (
+    from lfdcore.study.sequences.report import (
         aims_table,
         sequence_headline,
         sequence_rows,
         sequence_table,
         write_sequence_report,
     )
+    from lfdcore.study.sequences.study import SequenceStudy, run_sequence_study
 
     study = SequenceStudy(shapes=tuple(read_all_handwriting(data)), draws=draws, seed=seed)
     output.mkdir(parents=True, exist_ok=True)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from lfdcore.estimation import ActionModel
     from lfdcore.geometry import Pose2
     from lfdcore.grid import OccupancyGrid
-    from lfdcore.wheelchair.belief_track import BeliefTrack
-    from lfdcore.wheelchair.global_goal import GoalModel, OtherActionModel
-    from lfdcore.wheelchair.goal_samples import GoalSamples
+    from lfdcore.wheelchair.goals.model import GoalModel, OtherActionModel
+    from lfdcore.wheelchair.goals.samples import GoalSamples
+    from lfdcore.wheelchair.goals.track import BeliefTrack
 
 
 class Device(StrEnum):
@@ -55,8 +55,8 @@ def track(
 ) -> None:
     """Follow the belief over destinations along a drive. Poses are the log's or, without any, a scan matcher's."""
     from lfdcore.datasets import open_log
-    from lfdcore.wheelchair.belief_track import track_beliefs
-    from lfdcore.wheelchair.global_goal import GoalModel
+    from lfdcore.wheelchair.goals.model import GoalModel
+    from lfdcore.wheelchair.goals.track import track_beliefs
 
     if device is not None and not full:
         raise typer.BadParameter("--device is for the model of all samples: give --full too")
@@ -91,8 +91,8 @@ def _action_model(model: GoalModel, full: bool, device: Device | None) -> Action
 
 def _samples(log: DriveLog, grid: OccupancyGrid | None, start: Pose2, tell: Stages) -> GoalSamples:
     """With the log's poses in the map or, where it has none, a scan matcher's."""
-    from lfdcore.wheelchair.goal_samples import drive_samples
-    from lfdcore.wheelchair.localisation import with_map_poses
+    from lfdcore.wheelchair.goals.localisation import with_map_poses
+    from lfdcore.wheelchair.goals.samples import drive_samples
 
     if grid is not None and not len(log.map_stamp):
         log = with_map_poses(log, grid, start, tell.step("localise"))
@@ -139,7 +139,7 @@ def _draw(
 ) -> None:
     if grid is None:
         return
-    from lfdcore.study.belief_plots import drive_figure, save_belief_animation
+    from lfdcore.pictures.belief import drive_figure, save_belief_animation
 
     if picture is not None:
         save_picture(drive_figure(grid, model.goals, (samples, beliefs)), picture)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.safe_joystick import noted_limits, notes_limits
-from lfdcore.geometry import Twist2
+from lfdcore.geometry import Pose2, Twist2, arc_length
 
 Array = NDArray[np.float64]
 
@@ -104,3 +104,11 @@ def joystick_from_motion(log: DriveLog, window: float = WINDOW, limits: Twist2 |
         joystick=np.clip(raw, -1, 1),
         metadata=log.metadata | {"joystick": told},
     )
+
+
+def way_ahead(log: DriveLog, stamp: float, reach: float) -> Array:
+    """(N, 2) [m]: the way driven after `stamp`, in base_link then, up to `reach` [m] or the log's end."""
+    base = Pose2(*log.pose_at([stamp])[0])
+    points = np.vstack([[base.x, base.y], log.pose[log.odometry_stamp > stamp, :2]])
+    points = points[arc_length(points) <= reach]
+    return base.inverse().transform(points)

@@ -1,20 +1,40 @@
-"""Demonstrations: an expert drives the training courses; the assistant learns from what was recorded (Sec. 3.5)."""
+"""Demonstrations that studies learn from: an expert in the training courses (Sec. 3.5); able drivers with DWA in two
+mazes (Sec. 4.2), and unassisted in a home that is like neither, to judge predictions by (Sec. 4.6.2)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lfdcore.datasets import open_log
-from lfdcore.study.courses import Course, training_courses
-from lfdcore.study.drivers import ExpertDriver
-from lfdcore.study.prediction import learn_from_logs
-from lfdcore.study.runner import RunConfig, run_drive
-from lfdcore.study.trace import DriveTrace
+from lfdcore.simulated.courses import Course, home_20x19, mazes, training_courses
+from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, ExpertDriver, able_population
+from lfdcore.simulated.run import Job, RunConfig, run_drive
+from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.arms import StudyModels, make_assistant
+from lfdcore.study.jobs import run_jobs
+from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
 from lfdcore.wheelchair.assistants import Unassisted
-from lfdcore.wheelchair.model_file import LearningConfig
 
-MODEL_NAME = "assistant.safetensors"
+if TYPE_CHECKING:
+    from lfdcore.training.heatmap_net import EpochLoss
+
+Progress = Callable[[int, int], None]
+StageProgress = Callable[[str, int, int], None]
+"""Told (stage, done, total)."""
+
+HEATMAPS_NAME = "heatmaps.safetensors"
+MAZE_RUNS, MAZE_DRIVERS = 72, 8
+"""Sec. 4.2"""
+HOME_DRIVERS, RUNS_EACH = 10, 3
+"""Sec. 4.6.2"""
+
+_SEEDS, _HOME_SEEDS = 1000, 500
+"""Run j in the mazes has seed 1000 `seed` + j, run k in the home 1000 `seed` + 500 + k: none is in both."""
+PRIMITIVES_NAME = "assistant.safetensors"
 ATTEMPTS = 5
 """of an expert at a demonstration"""
 
@@ -50,7 +70,124 @@ def learn_from_demonstrations(
 ) -> Path:
     """Demonstrates, learns and saves the model in `folder` -> its path."""
     logs = [open_log(path) for path, _ in demonstrate(folder, seed)]
-    model = learn_from_logs(logs, config=config, progress=progress)
-    path = folder / MODEL_NAME
+    model = learn_drive(first_share(logs), config, progress)
+    path = folder / PRIMITIVES_NAME
     model.save(path)
     return path
+
+
+# -- Ch. 4 ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RecordedDrives:
+    """Drive logs and what really happened, in the order of the runs. None is left out, however it ended."""
+
+    paths: tuple[Path, ...]
+    traces: tuple[DriveTrace, ...]
+
+    @property
+    def unfinished(self) -> int:
+        """How many runs did not reach their destination."""
+        return sum(not trace.completed for trace in self.traces)
+
+    @property
+    def collisions(self) -> int:
+        """Contacts in all runs."""
+        return sum(int(trace.collision.sum()) for trace in self.traces)
+
+
+def demonstrate_in_mazes(
+    folder: Path,
+    seed: int,
+    runs: int = MAZE_RUNS,
+    config: RunConfig | None = None,
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> RecordedDrives:
+    """8 able drivers with DWA (horizon 1 s) through both mazes -> their logs in `folder`, 72 as in Sec. 4.2.
+
+    The first n of 72 runs are those that `runs` = n gives; drivers and mazes take turns. Each route is driven by three
+    drivers. Raises ValueError for runs outside 1..72 or a negative seed.
+    """
+    if not 1 <= runs <= MAZE_RUNS:
+        raise ValueError(f"runs must be 1..{MAZE_RUNS}, got {runs}")
+    config = config or RunConfig()
+    drivers, courses = able_population(MAZE_DRIVERS, seed), mazes()
+    assistant = partial(make_assistant, "dwa_1s", StudyModels(), config)
+    jobs = [
+        Job(
+            courses[_route_of(j, len(courses))],
+            partial(_able, drivers[j % MAZE_DRIVERS]),
+            assistant,
+            _SEEDS * seed + j,
+            config,
+            folder / f"maze-{j:02d}.mcap",
+        )
+        for j in range(runs)
+    ]
+    return _record(jobs, processes, progress)
+
+
+def learn_heatmaps_from_demonstrations(
+    folder: Path,
+    seed: int,
+    progress: StageProgress | None = None,
+    on_epoch: Callable[[EpochLoss], None] | None = None,
+    processes: int | None = None,
+) -> Path:
+    """Demonstrates in the mazes, learns and saves the model in `folder` -> its path. Needs torch."""
+    from lfdcore.training.drive_heatmaps import learn_heatmaps
+
+    tell = progress or (lambda stage, done, total: None)
+    drives = demonstrate_in_mazes(folder, seed, processes=processes, progress=partial(tell, "demonstrate"))
+    learned = learn_heatmaps([open_log(path) for path in drives.paths], progress=tell, on_epoch=on_epoch)
+    path = folder / HEATMAPS_NAME
+    learned.model.save(path)
+    return path
+
+
+def _route_of(run: int, count: int) -> int:
+    """Each round of `count` runs takes every route once; from round to round other drivers have them."""
+    return (7 * run + 3 * (run // count)) % count
+
+
+def drive_to_destinations(
+    folder: Path,
+    seed: int,
+    runs: int = HOME_DRIVERS * RUNS_EACH,
+    config: RunConfig | None = None,
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> RecordedDrives:
+    """10 able drivers, other than those of the mazes, unassisted to 3 arbitrary destinations each in home_20x19.
+
+    Each run has a start and a destination of its own. Raises ValueError for runs outside 1..30 or a negative seed.
+    """
+    if not 1 <= runs <= HOME_DRIVERS * RUNS_EACH:
+        raise ValueError(f"runs must be 1..{HOME_DRIVERS * RUNS_EACH}, got {runs}")
+    config = config or RunConfig()
+    first = _SEEDS * seed + _HOME_SEEDS
+    drivers = able_population(HOME_DRIVERS, first)
+    assistant = partial(make_assistant, "none", StudyModels(), config)
+    jobs = [
+        Job(
+            home_20x19(first + k),
+            partial(_able, drivers[k % HOME_DRIVERS]),
+            assistant,
+            first + k,
+            config,
+            folder / f"home-{k:02d}.mcap",
+        )
+        for k in range(runs)
+    ]
+    return _record(jobs, processes, progress)
+
+
+def _able(config: AbleConfig, course: Course) -> Driver:
+    return AbleDriver(course, config)
+
+
+def _record(jobs: list[Job], processes: int | None, progress: Progress | None) -> RecordedDrives:
+    traces = run_jobs(jobs, progress, processes)
+    return RecordedDrives(tuple(job.log_path for job in jobs if job.log_path is not None), traces)

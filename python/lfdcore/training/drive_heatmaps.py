@@ -15,11 +15,11 @@ from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_
 from lfdcore.geometry import arc_length
 from lfdcore.training.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.beams import WINDOW
-from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
-from lfdcore.wheelchair.joystick_model import JoystickModel, JoystickModelConfig
-from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap
+from lfdcore.wheelchair.heatmaps.joystick import JoystickModel, JoystickModelConfig
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""

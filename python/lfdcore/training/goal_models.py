@@ -22,8 +22,8 @@ from lfdcore.estimation import (
 from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
 from lfdcore.training.process_noise import best_calibrated, leave_drives_out
-from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel, LeftOutFigures
-from lfdcore.wheelchair.goal_samples import GoalSamples, Heading, goal_samples, goal_state
+from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel, LeftOutFigures
+from lfdcore.wheelchair.goals.samples import GoalSamples, Heading, goal_samples, goal_state
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.goal_network import GoalNetwork, network_inputs
-from lfdcore.wheelchair.goal_samples import GoalSamples, Heading
+from lfdcore.wheelchair.goals.network import GoalNetwork, network_inputs
+from lfdcore.wheelchair.goals.samples import GoalSamples, Heading
 
 if TYPE_CHECKING:
     import torch

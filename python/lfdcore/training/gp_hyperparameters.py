@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
 from lfdcore.estimation import DifferentialEvolutionConfig, GaussianProcess, GaussianProcessLikelihood, Kernel
-from lfdcore.wheelchair.joystick_model import JoystickBins, JoystickModel, JoystickModelConfig, JoystickPrior
+from lfdcore.wheelchair.heatmaps.joystick import JoystickBins, JoystickModel, JoystickModelConfig, JoystickPrior
 
 Floats = NDArray[np.float64]
 Range = tuple[float, float]

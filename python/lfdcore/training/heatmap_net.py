@@ -35,8 +35,8 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lfdcore.wheelchair.heatmap_targets import HeatmapPairs
-from lfdcore.wheelchair.sensor_heatmap import INPUT, METADATA_KEY, OUTPUT, VERSION, naive_images
+from lfdcore.training.heatmap_targets import HeatmapPairs
+from lfdcore.wheelchair.heatmaps.sensor import INPUT, METADATA_KEY, OUTPUT, VERSION, naive_images
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 OPSET, IR_VERSION = 17, 8

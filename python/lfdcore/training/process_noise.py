@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
-from lfdcore.wheelchair.global_goal import GoalModel, LeftOutFigures
-from lfdcore.wheelchair.goal_samples import GoalSamples
+from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
+from lfdcore.wheelchair.goals.samples import GoalSamples
+from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
 
 Progress = Callable[[int, int], None]
 

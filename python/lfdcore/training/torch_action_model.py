@@ -14,7 +14,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.estimation import ActionKernel, ActionMoments, Belief
-from lfdcore.wheelchair.global_goal import GoalModel
+from lfdcore.wheelchair.goals.model import GoalModel
 
 Floats = NDArray[np.float64]
 

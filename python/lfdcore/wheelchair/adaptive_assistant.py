@@ -19,15 +19,15 @@ from numpy.typing import NDArray
 
 from lfdcore.geometry import MotionLimits, Twist2, wrap_angle
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
-from lfdcore.wheelchair.joystick_model import (
+from lfdcore.wheelchair.heatmaps.joystick import (
     JoystickAdapter,
     JoystickAdapterConfig,
     JoystickBins,
     JoystickModel,
     JoystickModelConfig,
 )
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 Floats = NDArray[np.float64]

@@ -21,14 +21,15 @@ from lfdcore.control import (
     time_to_contact,
 )
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
-from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
+from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath, Planner
-from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner, PrimitivesPlannerConfig
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
+from lfdcore.wheelchair.surroundings import Surroundings
 
 STOP = Twist2(0.0, 0.0)
 
@@ -83,37 +84,6 @@ class Supervised:
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
         allowed = self._supervisor.filter(wanted, observation.twist, obstacles)
         return Assistance(allowed.twist, "user", supervised=allowed.changed)
-
-
-class Surroundings:
-    """What is around the chair: a rolling map of recent scans, since the LIDAR never sees beside the body."""
-
-    def __init__(self, chair: ChairGeometry, duration: float) -> None:
-        self._chair = chair
-        self._map = RollingMap(duration)
-        self._now = self._newest_scan = -np.inf
-
-    def clear(self) -> None:
-        """Forgets all scans."""
-        self._map.clear()
-        self._now = self._newest_scan = -np.inf
-
-    def see(self, observation: Observation) -> ObstaclePoints:
-        """Takes in a scan from where it was taken, unless it has it already; -> obstacle points in base_link, now.
-
-        ValueError for a stamp, of the tick or of the scan, before the last one: reset() starts a new drive.
-        """
-        if observation.stamp < self._now:
-            raise ValueError(f"stamp goes back from {self._now} s to {observation.stamp} s without a reset")
-        if observation.scan_stamp != self._newest_scan:
-            taken_at = observation.scan_pose or observation.pose
-            self._map.insert(observation.scan_stamp, observation.scan, self._chair.T_base_laser, taken_at)
-        self._now, self._newest_scan = observation.stamp, observation.scan_stamp
-        return self._map.obstacles(observation.pose)
-
-    def grid(self, observation: Observation) -> OccupancyGrid:
-        """-> local grid around base_link."""
-        return self._map.local_grid(observation.pose)
 
 
 class DynamicWindowAssistant:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import reprlib
-
-import numpy as np
 
 from lfdcore.datasets.tensor_file import tensor_file_format
-from lfdcore.errors import DataError, ModelError
-from lfdcore.geometry import Twist2
-from lfdcore.wheelchair import global_goal, heatmap_model, model_file
-from lfdcore.wheelchair.global_goal import GoalModel
-from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.errors import ModelError
+from lfdcore.wheelchair.goals import model as global_goal
+from lfdcore.wheelchair.goals.model import GoalModel
+from lfdcore.wheelchair.heatmaps import model as heatmap_model
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.wheelchair.primitives import model as model_file
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 Model = DriveAssistantModel | HeatmapModel | NaiveHeatmapModel
 KINDS: dict[str, type[Model]] = {
@@ -36,18 +34,3 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     if found not in KINDS:
         raise ModelError(f"{path} holds '{found}', must be one of {', '.join(KINDS)}")
     return KINDS[found].load(path)
-
-
-def full_deflection_of(model: Model) -> Twist2 | None:
-    """How fast [m/s, rad/s] the demonstrations' vehicle moved with the stick pushed fully (of several demonstrations:
-    the geometric mean); None for a model that does not say. DataError for one that says no positive speeds."""
-    told = model.metadata.get("full_deflection", [])
-    try:
-        said = np.array(told, float).reshape(-1, 2)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
-    if not len(said):
-        return None
-    if not (np.isfinite(said).all() and (said > 0).all()):
-        raise DataError(f"the model's full_deflection is {said.tolist()} m/s and rad/s, must be positive")
-    return Twist2(*np.exp(np.log(said).mean(axis=0)).tolist())

@@ -13,9 +13,9 @@ from dataclasses import replace
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 TURNED = Pose2(0.0, 0.0, math.pi)
 """The chair as seen by one who takes its back for its front."""

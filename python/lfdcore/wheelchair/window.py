@@ -43,3 +43,14 @@ def squashed(heatmap: NDArray[np.float32]) -> NDArray[np.float32]:
     """Divided by its maximum (F12); an all-zero heatmap stays."""
     most = heatmap.max(initial=np.float32(0))
     return np.asarray(heatmap / most if most > 0 else heatmap, np.float32)
+
+
+def require_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """ValueError naming a config's field unless low <= value <= high; NaN is not between."""
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value}{unit}, must be between {low:g} and {high:g}{unit}")
+
+
+def free_mask(scan_grid: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """data of a local OccupancyGrid (100, 100) -> the cells seen free."""
+    return np.asarray(scan_grid == 0)

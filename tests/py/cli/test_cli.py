@@ -16,9 +16,9 @@ import lfdcore
 from lfdcore.cli.main import main
 from lfdcore.datasets import write_map
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study.courses import home
-from lfdcore.study.drivers import ExpertDriver
-from lfdcore.study.runner import run_drive
+from lfdcore.simulated.courses import home
+from lfdcore.simulated.drivers import ExpertDriver
+from lfdcore.simulated.run import run_drive
 from lfdcore.wheelchair.assistants import Unassisted
 
 

@@ -23,7 +23,7 @@ from lfdcore.datasets.joint_motion import read_joint_motion
 from lfdcore.humanoid.arm import follow_gripper
 from lfdcore.humanoid.baxter import baxter, baxter_arm
 from lfdcore.humanoid.collaboration import CollaborationModel
-from lfdcore.study.covering_task import CoveredObject, demonstrate_covering
+from lfdcore.simulated.covering import CoveredObject, demonstrate_covering
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "kinematics"))
 from robots import joint, robot, ur5_forward, ur5_urdf
@@ -396,8 +396,8 @@ def test_execution_to_the_end_tells_the_tracking_error(ur5, monkeypatch, capsys)
 
 
 def test_study_joints_writes_a_report_and_says_who_is_better(monkeypatch, capsys, tmp_path) -> None:
+    from lfdcore.simulated.covering import BOUNDING_BOX
     from lfdcore.study import joint_space
-    from lfdcore.study.covering_task import BOUNDING_BOX
     from lfdcore.training.collaborations import NoiseChoice
 
     small = dataclasses.replace(BOUNDING_BOX, demonstrations=2, novel=BOUNDING_BOX.novel[-1:])

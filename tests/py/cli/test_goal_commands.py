@@ -15,7 +15,7 @@ from PIL import Image
 from lfdcore.datasets import Goal, Goals, open_log, write_goals, write_map
 from lfdcore.grid import OccupancyGrid
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
-from lfdcore.wheelchair.global_goal import GoalModel
+from lfdcore.wheelchair.goals.model import GoalModel
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, learned

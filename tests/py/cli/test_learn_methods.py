@@ -12,9 +12,9 @@ from calling import run
 from lfdcore.cli.common import print_facts
 from lfdcore.datasets import DriveLog
 from lfdcore.datasets.tensor_file import write_tensor_file
-from lfdcore.study.driving import models_by_method
-from lfdcore.study.heatmap_demonstrations import drive_to_destinations
-from lfdcore.wheelchair.heatmap_model import HeatmapModel, NaiveHeatmapModel
+from lfdcore.study.arms import models_by_method
+from lfdcore.study.demonstrations import drive_to_destinations
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))

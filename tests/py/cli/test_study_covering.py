@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from calling import run
 
-from lfdcore.study import covering
-from lfdcore.study.covering_task import BOUNDING_BOX, GROUND_TRUTH, covering_data, write_demonstrations
+from lfdcore.simulated.covering import BOUNDING_BOX, GROUND_TRUTH, covering_data, write_demonstrations
+from lfdcore.study.covering import study as covering
 from lfdcore.training.collaborations import NoiseChoice
 
 WORDS = ("study", "covering", "--seeds", "1", "--people", "1", "--seed", "101", "--processes", "1")

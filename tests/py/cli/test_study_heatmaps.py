@@ -45,7 +45,7 @@ def test_a_model_that_is_not_given_is_learned_in_the_folder_with_a_bar_a_stage(t
         progress("demonstrate", 72, 72)
         return folder / f"of-seed-{seed}.safetensors"
 
-    monkeypatch.setattr("lfdcore.study.heatmap_demonstrations.learn_heatmaps_from_demonstrations", learn)
+    monkeypatch.setattr("lfdcore.study.demonstrations.learn_heatmaps_from_demonstrations", learn)
     with progress_bar() as bar:
         learned = heatmaps_or_learned(None, tmp_path / "new", 4, Stages(bar), None)
     assert learned == tmp_path / "new" / "of-seed-4.safetensors" and learned.parent.is_dir()

@@ -13,8 +13,8 @@ from goal_worlds import GOALS, drive_to, samples_of
 
 from lfdcore.cli.main import main
 from lfdcore.estimation import ActionKernel
-from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
-from lfdcore.wheelchair.goal_network import GoalNetwork
+from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel
+from lfdcore.wheelchair.goals.network import GoalNetwork
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from lfdcore.humanoid.arm import (
 )
 from lfdcore.humanoid.baxter import baxter, baxter_arm, holding_posture, neutral_posture, robotiq_tool
 from lfdcore.kinematics import RobotModel, SelfCollision
-from lfdcore.study.covering_task import RIGHT_GRIPPER, ROBOT_NAMES, CoveredObject, demonstrate_covering
+from lfdcore.simulated.covering import RIGHT_GRIPPER, ROBOT_NAMES, CoveredObject, demonstrate_covering
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "kinematics"))
 from robots import joint, robot, ur5_forward, ur5_urdf

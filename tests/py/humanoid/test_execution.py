@@ -14,7 +14,7 @@ from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.arm import follow_gripper
 from lfdcore.humanoid.baxter import baxter
 from lfdcore.humanoid.execution import RATE, Executed, Execution, KinematicRobot, execute, in_real_time, stream
-from lfdcore.study.covering_task import CoveredObject, demonstrate_covering
+from lfdcore.simulated.covering import CoveredObject, demonstrate_covering
 
 NAMES = ("a", "b")
 LIMITS = np.array([[-2.0, 2.0, 1.0], [-1.0, 3.0, 0.5]])

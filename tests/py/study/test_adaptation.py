@@ -8,8 +8,11 @@ import pytest
 
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2, Twist2
+from lfdcore.simulated.courses import hall, office
+from lfdcore.simulated.drivers import AbleDriver
 from lfdcore.simulation import DrivingWorld
-from lfdcore.study.adaptation import (
+from lfdcore.study.adaptation.report import adaptation_figure, adaptation_table, ratio_rows
+from lfdcore.study.adaptation.study import (
     AdaptationRun,
     AdaptationStudy,
     BiasedDriver,
@@ -17,12 +20,9 @@ from lfdcore.study.adaptation import (
     pooled_ratio,
     run_adaptation_study,
 )
-from lfdcore.study.adaptation_report import adaptation_figure, adaptation_table, ratio_rows
-from lfdcore.study.courses import hall, office
-from lfdcore.study.drivers import AbleDriver
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant, SteeringOffset
 from lfdcore.wheelchair.assistants import DriveAssistant
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Observation
 
 

@@ -12,8 +12,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, samples_of, tiny_model
 
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study import belief_plots
-from lfdcore.study.belief_plots import (
+from lfdcore.pictures import belief as belief_plots
+from lfdcore.pictures.belief import (
     belief_figure,
     confusion_figure,
     drive_figure,
@@ -21,10 +21,10 @@ from lfdcore.study.belief_plots import (
     likelihood_figure,
     save_belief_animation,
 )
-from lfdcore.study.goal_plots import square_around
-from lfdcore.study.plots import png
-from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
-from lfdcore.wheelchair.goal_samples import GoalSamples
+from lfdcore.pictures.goals import square_around
+from lfdcore.pictures.style import png
+from lfdcore.wheelchair.goals.samples import GoalSamples
+from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
 
 
 @pytest.fixture(scope="module")

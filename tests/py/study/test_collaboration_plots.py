@@ -5,9 +5,9 @@ import pytest
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
-from lfdcore.study.collaboration_plots import collaboration_figure
-from lfdcore.study.covering_task import CoveredObject, demonstrate_covering
-from lfdcore.study.plots import png
+from lfdcore.pictures.collaboration import collaboration_figure
+from lfdcore.pictures.style import png
+from lfdcore.simulated.covering import CoveredObject, demonstrate_covering
 
 OBJECTS = (CoveredObject("stool", 0.75, 0.34, 0.34), CoveredObject("cabinet", 0.90, 0.40, 0.38))
 Inferred = tuple[CollaborationModel, CollaborationInference, InteractionRecording]

@@ -8,7 +8,7 @@ import pytest
 
 from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study.courses import (
+from lfdcore.simulated.courses import (
     HOME_ROUTES,
     MAZE_ROUTES,
     Course,

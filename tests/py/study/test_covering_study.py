@@ -7,7 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lfdcore.study.covering import (
+from lfdcore.simulated.covering import (
+    BOUNDING_BOX,
+    GROUND_TRUTH,
+    RIGHT_GRIPPER,
+    box_of,
+    covering_data,
+    demonstrate_covering,
+)
+from lfdcore.study.covering.pictures import sweeps_figure
+from lfdcore.study.covering.report import covering_headline, write_covering_report
+from lfdcore.study.covering.study import (
     FEWEST,
     METHODS,
     NOBODY,
@@ -24,17 +34,7 @@ from lfdcore.study.covering import (
     run_covering_study,
     shuffled_partners,
 )
-from lfdcore.study.covering_plots import sweeps_figure
-from lfdcore.study.covering_report import covering_headline, write_covering_report
-from lfdcore.study.covering_tables import aims, covering_tables, reached_at
-from lfdcore.study.covering_task import (
-    BOUNDING_BOX,
-    GROUND_TRUTH,
-    RIGHT_GRIPPER,
-    box_of,
-    covering_data,
-    demonstrate_covering,
-)
+from lfdcore.study.covering.tables import aims, covering_tables, reached_at
 from lfdcore.training.collaborations import NoiseChoice
 
 FEW = replace(GROUND_TRUTH, demonstrations=3)

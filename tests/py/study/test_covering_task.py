@@ -9,7 +9,7 @@ import pytest
 from lfdcore.datasets import InteractionRecording, environments, load_interaction
 from lfdcore.errors import DataError
 from lfdcore.humanoid.covering import covering_verdict
-from lfdcore.study.covering_task import (
+from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     GROUND_TRUTH,
     RIGHT_GRIPPER,

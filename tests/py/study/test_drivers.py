@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, approach, integrate, wrap_angle
-from lfdcore.study.courses import FootprintOnGrid, doorway_and_docking, figure_eight, flat, home
-from lfdcore.study.drivers import (
+from lfdcore.simulated.courses import FootprintOnGrid, doorway_and_docking, figure_eight, flat, home
+from lfdcore.simulated.drivers import (
     ORIENTATIONS,
     POPULATION,
     AbleConfig,
@@ -18,8 +18,8 @@ from lfdcore.study.drivers import (
     ImpairedDriver,
     population,
 )
-from lfdcore.study.figure_eight import TABLE_A1, figure_eight_table, format_table
-from lfdcore.study.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
+from lfdcore.simulated.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
+from lfdcore.study.driving.figure_eight import TABLE_A1, figure_eight_table, format_table
 
 DRIVERS = [ExpertDriver, AbleDriver, ImpairedDriver]
 LIMITS = MotionLimits()

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from lfdcore.geometry import Pose2, Twist2
-from lfdcore.study.courses import doorway_and_docking, narrow_gap
-from lfdcore.study.drivers import ImpairedConfig
-from lfdcore.study.driving import StudyModels
-from lfdcore.study.driving_tasks import DOCKING_SPEED, TaskDriver, TaskStudy, run_task_study, task_row
-from lfdcore.study.runner import run_drive
-from lfdcore.study.trace import DriveTrace
+from lfdcore.simulated.courses import doorway_and_docking, narrow_gap
+from lfdcore.simulated.drivers import ImpairedConfig
+from lfdcore.simulated.run import run_drive
+from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.arms import StudyModels
+from lfdcore.study.driving.tasks import DOCKING_SPEED, TaskDriver, TaskStudy, run_task_study, task_row
 from lfdcore.wheelchair.assistants import Unassisted
 
 

@@ -11,13 +11,13 @@ from hypothesis.extra import numpy as arrays
 
 from lfdcore.datasets import open_log, read_goals, write_goals, write_map
 from lfdcore.geometry import Footprint, Pose2, wrap_angle
+from lfdcore.pictures.goals import plot_goal_drives
+from lfdcore.pictures.style import png
+from lfdcore.simulated.courses import drive_ideally, goal_building, goals_in_map, route_clearance
+from lfdcore.simulated.drivers import AbleDriver, able_population
+from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulation import ChairConfig
-from lfdcore.study.courses import drive_ideally, goal_building, goals_in_map, route_clearance
-from lfdcore.study.drivers import AbleDriver, able_population
-from lfdcore.study.goal_drives import RUNS_EACH, SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
-from lfdcore.study.goal_plots import plot_goal_drives
-from lfdcore.study.plots import png
-from lfdcore.study.runner import RunConfig, run_drive
+from lfdcore.study.goals.drives import RUNS_EACH, SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.wheelchair.assistants import Unassisted
 
 sticks = arrays.arrays(float, st.tuples(st.integers(0, 20), st.just(2)), elements=st.floats(-1, 1))

@@ -13,7 +13,7 @@ from sklearn.metrics import accuracy_score, cohen_kappa_score, confusion_matrix
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, samples_of, tiny_model
 
-from lfdcore.study.goal_evaluation import (
+from lfdcore.study.goals.evaluation import (
     BASELINES,
     accuracy,
     agreement,
@@ -25,9 +25,9 @@ from lfdcore.study.goal_evaluation import (
     prior_only,
     quarter_of_drive,
 )
-from lfdcore.wheelchair.belief_track import BeliefTrack, track_beliefs
-from lfdcore.wheelchair.global_goal import GoalFilter
-from lfdcore.wheelchair.goal_samples import GoalSamples
+from lfdcore.wheelchair.goals.model import GoalFilter
+from lfdcore.wheelchair.goals.samples import GoalSamples
+from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
 
 
 def samples(goal: list[int], drive: list[int], stamp: list[float]) -> GoalSamples:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import Goals
-from lfdcore.study.goal_drives import RUNS_EACH, GoalDrives, noisy_joystick, perturbed_poses
-from lfdcore.study.goal_evaluation import BASELINES, agreement, confidence_time, drives_of
-from lfdcore.study.goal_report import (
+from lfdcore.study.goals.drives import RUNS_EACH, GoalDrives, noisy_joystick, perturbed_poses
+from lfdcore.study.goals.evaluation import BASELINES, agreement, confidence_time, drives_of
+from lfdcore.study.goals.report import (
     accuracy_table,
     aims,
     consistency_table,
@@ -21,7 +21,7 @@ from lfdcore.study.goal_report import (
     time_table,
     write_goal_report,
 )
-from lfdcore.study.goal_study import (
+from lfdcore.study.goals.study import (
     FILTERED,
     NOISE,
     POSE_ERRORS,
@@ -34,8 +34,8 @@ from lfdcore.study.goal_study import (
 )
 from lfdcore.training.goal_models import GoalLearningConfig
 from lfdcore.training.goal_net import GoalNetConfig
-from lfdcore.wheelchair.belief_track import track_beliefs
-from lfdcore.wheelchair.goal_samples import drive_samples
+from lfdcore.wheelchair.goals.samples import drive_samples
+from lfdcore.wheelchair.goals.track import track_beliefs
 
 SMALL = GoalLearningConfig(
     network=GoalNetConfig(epochs=40), search_samples=60, searches=1, generations=3, subset=60, candidates=20

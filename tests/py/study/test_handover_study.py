@@ -10,7 +10,14 @@ from lfdcore.datasets import read_kth_handovers
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.errors import DataError
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
-from lfdcore.study.handovers import (
+from lfdcore.study.handovers.report import (
+    handover_headline,
+    handover_rows,
+    seen_tables,
+    task_tables,
+    write_handover_report,
+)
+from lfdcore.study.handovers.study import (
     MEASURES,
     METHODS,
     SHARES,
@@ -26,13 +33,6 @@ from lfdcore.study.handovers import (
     infer_by_clock,
     run_handover_study,
     with_place,
-)
-from lfdcore.study.handovers_report import (
-    handover_headline,
-    handover_rows,
-    seen_tables,
-    task_tables,
-    write_handover_report,
 )
 
 COUNT, SAMPLES = 12, 81

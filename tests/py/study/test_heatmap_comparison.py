@@ -10,10 +10,12 @@ from scipy.stats import percentileofscore
 
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.motion import way_ahead
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2
 from lfdcore.grid import HeatmapMap, OccupancyGrid
-from lfdcore.study.heatmap_comparison import (
+from lfdcore.study.demonstrations import drive_to_destinations
+from lfdcore.study.heatmaps.comparison import (
     METHODS,
     REACH,
     Comparison,
@@ -25,11 +27,9 @@ from lfdcore.study.heatmap_comparison import (
     reward_at,
     run_map,
     squashed_values,
-    way_ahead,
 )
-from lfdcore.study.heatmap_demonstrations import drive_to_destinations
-from lfdcore.wheelchair.heatmap_model import NaiveHeatmapModel
-from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap
+from lfdcore.wheelchair.heatmaps.model import NaiveHeatmapModel
+from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap
 
 STRAIGHT = np.stack([np.arange(0, 3.01, 0.05), np.zeros(61)], axis=1)
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import joystick_pairs, open_log
+from lfdcore.simulated.courses import mazes
+from lfdcore.simulated.drivers import ABLE_POPULATION, able_population
+from lfdcore.simulated.run import Job
 from lfdcore.study import heatmap_demonstrations
-from lfdcore.study.courses import mazes
-from lfdcore.study.drivers import ABLE_POPULATION, able_population
-from lfdcore.study.heatmap_demonstrations import RecordedDrives, demonstrate_in_mazes, drive_to_destinations
-from lfdcore.study.runner import Job
+from lfdcore.study.demonstrations import RecordedDrives, demonstrate_in_mazes, drive_to_destinations
 
 
 @pytest.fixture(scope="module")

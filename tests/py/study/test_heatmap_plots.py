@@ -8,12 +8,12 @@ import pytest
 
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.study.heatmap_demonstrations import demonstrate_in_mazes, drive_to_destinations
-from lfdcore.study.heatmap_plots import heat_moment, heatmap_figures, widest_pair
-from lfdcore.study.heatmap_report import heatmap_section, held_out_logs
-from lfdcore.study.plots import png
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.heatmap_targets import HeatmapPairs
+from lfdcore.pictures.heatmap_stages import heat_moment, heatmap_figures, widest_pair
+from lfdcore.pictures.style import png
+from lfdcore.study.demonstrations import demonstrate_in_mazes, drive_to_destinations
+from lfdcore.study.heatmaps.report import heatmap_section, held_out_logs
+from lfdcore.training.heatmap_targets import HeatmapPairs
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 
 
 @pytest.fixture(scope="module")

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from lfdcore.grid import OccupancyGrid
-from lfdcore.study.comparison_plots import median_runs
-from lfdcore.study.heatmap_calibration import JudgedCells, check_calibration, reliability
-from lfdcore.study.heatmap_comparison import METHODS, ComparedRun, Comparison, ComparisonConfig, MethodRun
-from lfdcore.study.heatmap_report import (
+from lfdcore.pictures.style import png
+from lfdcore.study.heatmaps.calibration import JudgedCells, check_calibration, reliability
+from lfdcore.study.heatmaps.comparison import METHODS, ComparedRun, Comparison, ComparisonConfig, MethodRun
+from lfdcore.study.heatmaps.pictures import median_runs
+from lfdcore.study.heatmaps.report import (
     calibration_table,
     comparison_section,
     comparison_table,
     comparison_verdict,
 )
-from lfdcore.study.plots import png
-from lfdcore.wheelchair.heatmap_calibration import HeatmapCalibration
+from lfdcore.wheelchair.heatmaps.calibration import HeatmapCalibration
 
 
 def comparison(rewards: dict[str, float], runs: int = 6) -> Comparison:

@@ -11,8 +11,20 @@ from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, neutral_posture
 from lfdcore.humanoid.covering import CLEARANCE, Capsule
 from lfdcore.kinematics import SelfCollision
-from lfdcore.study.covering_task import BOUNDING_BOX, RIGHT_GRIPPER, box_of, covering_data
-from lfdcore.study.joint_space import (
+from lfdcore.pictures.style import png
+from lfdcore.simulated.covering import BOUNDING_BOX, RIGHT_GRIPPER, box_of, covering_data
+from lfdcore.study.joints.pictures import joint_space_figure
+from lfdcore.study.joints.report import (
+    QUANTITIES,
+    better_at,
+    comparison_table,
+    few_table,
+    joint_space_headline,
+    joint_space_tables,
+    nearest_table,
+    write_joint_space_report,
+)
+from lfdcore.study.joints.study import (
     FOLLOWED,
     GRIPPER,
     JOINTS,
@@ -26,18 +38,6 @@ from lfdcore.study.joint_space import (
     rotation_angles,
     run_joint_space_study,
 )
-from lfdcore.study.joint_space_plots import joint_space_figure
-from lfdcore.study.joint_space_report import (
-    QUANTITIES,
-    better_at,
-    comparison_table,
-    few_table,
-    joint_space_headline,
-    joint_space_tables,
-    nearest_table,
-    write_joint_space_report,
-)
-from lfdcore.study.plots import png
 from lfdcore.training.collaborations import NoiseChoice
 
 PROTOCOL = dataclasses.replace(BOUNDING_BOX, demonstrations=3, novel=BOUNDING_BOX.novel[-1:])
@@ -129,7 +129,7 @@ def test_an_arm_in_the_object_does_not_cover_it_though_the_mouth_does(
     joints = JointMotion(followed.robot_names, followed.stamp, followed.robot, np.zeros_like(followed.robot))
     assert _judged(setting, joints, box_of(one))["covered"]
     middle = np.tile(box_of(one).centre, (len(joints.time), 1))
-    monkeypatch.setattr("lfdcore.study.joint_space.arm_capsules", lambda *given: [Capsule(middle, middle, 0.05)])
+    monkeypatch.setattr("lfdcore.study.joints.study.arm_capsules", lambda *given: [Capsule(middle, middle, 0.05)])
     judged = _judged(setting, joints, box_of(one))
     assert judged["covered_by_mouth"]
     assert not judged["covered"]

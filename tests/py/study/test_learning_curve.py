@@ -12,18 +12,18 @@ from typer.testing import CliRunner
 
 from lfdcore.cli.study_learning_curve import study_learning_curve
 from lfdcore.datasets import open_log
-from lfdcore.study import learning_curve
-from lfdcore.study.driving import StudyModels
-from lfdcore.study.learning_curve import (
+from lfdcore.study.arms import StudyModels
+from lfdcore.study.learning_curve import study as learning_curve
+from lfdcore.study.learning_curve.report import curve_figure, curve_table, write_learning_curve
+from lfdcore.study.learning_curve.study import (
     LearningCurve,
     LearningCurveStudy,
     learn_curve_models,
     run_learning_curve,
 )
-from lfdcore.study.learning_curve_report import curve_figure, curve_table, write_learning_curve
-from lfdcore.study.path_error import path_errors, path_samples, straight
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.study.prediction.path_error import path_errors, path_samples, straight
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 
 def tiny(folder: Path) -> LearningCurveStudy:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lfdcore.geometry import Footprint
-from lfdcore.study.metrics import (
+from lfdcore.simulated.trace import DriveTrace, Plan
+from lfdcore.study.driving.metrics import (
     angular_jerk,
     distance,
     driving_metrics,
@@ -23,7 +24,6 @@ from lfdcore.study.metrics import (
     stuck_time,
     use_of_plan,
 )
-from lfdcore.study.trace import DriveTrace, Plan
 
 
 def make_trace(

@@ -5,7 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lfdcore.study.passing import (
+from lfdcore.simulated.passing import (
+    STEPS,
+    TRAINING,
+    demonstrate_passing,
+    distance_to_samples,
+    dtw_per_sample,
+    passing_data,
+    passing_verdict,
+)
+from lfdcore.study.passing.pictures import SHOWN, observations_figure
+from lfdcore.study.passing.report import claims, figure_rows, passing_headline, passing_tables
+from lfdcore.study.passing.study import (
     ARMS,
     AXES,
     LENGTHS,
@@ -17,17 +28,6 @@ from lfdcore.study.passing import (
     learned,
     path_of,
     run_passing_study,
-)
-from lfdcore.study.passing_plots import SHOWN, observations_figure
-from lfdcore.study.passing_report import claims, figure_rows, passing_headline, passing_tables
-from lfdcore.study.passing_task import (
-    STEPS,
-    TRAINING,
-    demonstrate_passing,
-    distance_to_samples,
-    dtw_per_sample,
-    passing_data,
-    passing_verdict,
 )
 
 NAMES = [arm.name for arm in ARMS]

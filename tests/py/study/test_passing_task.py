@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lfdcore.study.passing_task import (
+from lfdcore.simulated.passing import (
     DEMONSTRATIONS,
     GROUND,
     MIDDLE,

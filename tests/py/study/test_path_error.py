@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import open_log
-from lfdcore.study.path_error import ARC, at_arc_lengths, constant_arc, path_errors, path_samples, straight
+from lfdcore.study.prediction.path_error import ARC, at_arc_lengths, constant_arc, path_errors, path_samples, straight
 
 
 @pytest.mark.realdata

@@ -23,19 +23,22 @@ from lfdcore import __version__
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint
-from lfdcore.study.courses import campus, doorway_and_docking, home
-from lfdcore.study.drivers import ExpertDriver, ImpairedDriver
-from lfdcore.study.driving import DrivingResult, DrivingStudy, StudyModels
-from lfdcore.study.driving_report import write_driving_report
-from lfdcore.study.moments import telling_moments
-from lfdcore.study.plots import course_figure, demonstrations_figure, every, outlines, png, split_plans
-from lfdcore.study.runner import run_drive
-from lfdcore.study.stage_plots import bin_heading, example_paths, planning_figure, primitives_figure, stage_figures
-from lfdcore.study.trace import DriveTrace, Plan
+from lfdcore.pictures.course import course_figure, demonstrations_figure, every, outlines, split_plans
+from lfdcore.pictures.moments import telling_moments
+from lfdcore.pictures.path_stages import bin_heading, example_paths, planning_figure, primitives_figure, stage_figures
+from lfdcore.pictures.style import png
+from lfdcore.simulated.courses import campus, doorway_and_docking, home
+from lfdcore.simulated.drivers import ExpertDriver, ImpairedDriver
+from lfdcore.simulated.run import run_drive
+from lfdcore.simulated.trace import DriveTrace, Plan
+from lfdcore.study.arms import StudyModels
+from lfdcore.study.driving.report import write_driving_report
+from lfdcore.study.driving.study import DrivingResult, DrivingStudy
+from lfdcore.training.drive_primitives import learn_drive
 from lfdcore.wheelchair.assistants import DynamicWindowAssistant, Unassisted
-from lfdcore.wheelchair.local_paths import LocalPaths, extract_local_paths
-from lfdcore.wheelchair.model_file import DriveAssistantModel, learn_drive
-from lfdcore.wheelchair.path_primitives import PathPrimitives, orientation_bin
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.primitives.path_primitives import PathPrimitives, orientation_bin
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +169,7 @@ def test_a_long_course_of_many_arms_is_no_column_of_panels() -> None:
 
 
 def test_a_picture_needs_no_pyplot() -> None:
-    modules = "lfdcore.study.driving_report, lfdcore.study.prediction_picture"
+    modules = "lfdcore.study.driving.report, lfdcore.study.prediction.picture"
     code = f"import sys, {modules}; print('matplotlib.pyplot' in sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "False"
@@ -265,7 +268,7 @@ def test_demonstrations_start_where_their_course_does(log: DriveLog) -> None:
 def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     model: DriveAssistantModel, log: DriveLog, tmp_path: Path
 ) -> None:
-    from lfdcore.study.driving import run_driving_study
+    from lfdcore.study.driving.study import run_driving_study
 
     model.save(tmp_path / "m.safetensors")
     path = tmp_path / "demonstration.mcap"

@@ -10,23 +10,13 @@ import pytest
 from lfdcore.datasets import DriveLog, joystick_from_motion
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
-from lfdcore.study.path_error import ARC
-from lfdcore.study.prediction import (
-    STRAIGHT,
-    StickMeaning,
-    as_json,
-    as_text,
-    compliant_points,
-    error_rows,
-    full_deflection,
-    learn_from_logs,
-    pooled_rows,
-    predict_log,
-    predict_real_logs,
-    with_stick,
-)
-from lfdcore.study.prediction_picture import prediction_figure, scan_map
-from lfdcore.study.statistics import block_bootstrap, block_bootstrap_ratio
+from lfdcore.study.prediction.path_error import ARC
+from lfdcore.study.prediction.picture import prediction_figure, scan_map
+from lfdcore.study.prediction.study import STRAIGHT, compliant_points, full_deflection, predict_log, predict_real_logs
+from lfdcore.study.prediction.tables import as_json, as_text, error_rows, pooled_rows
+from lfdcore.study.report.statistics import block_bootstrap, block_bootstrap_ratio
+from lfdcore.training.drive_primitives import first_share, learn_drive
+from lfdcore.wheelchair.stick import StickMeaning, with_stick
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import L_WALLS, corner_drive, scans_at
@@ -51,7 +41,7 @@ def corner_log(offset: float, speed: float = 0.5, beams: int = 181, stick: bool 
 
 @pytest.fixture(scope="module")
 def model():
-    return learn_from_logs([corner_log(offset, stick=False) for offset in (-0.15, 0.0, 0.15)])
+    return learn_drive(first_share([corner_log(offset, stick=False) for offset in (-0.15, 0.0, 0.15)]))
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from lfdcore.study.report import Picture, Section, write_figures, write_report
-from lfdcore.study.tables import Table
+from lfdcore.pictures.style import Picture
+from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.table import Table
 
 
 def picture(height: float = 1.0) -> Picture:

@@ -7,12 +7,12 @@ import pytest
 
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import RollingMap, local_grid
+from lfdcore.simulated.courses import hall
+from lfdcore.simulated.drivers import ORIENTATIONS, AbleDriver
+from lfdcore.simulated.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
+from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulation import DrivingWorld, LidarConfig
-from lfdcore.study.courses import hall
-from lfdcore.study.drivers import ORIENTATIONS, AbleDriver
-from lfdcore.study.driving import StudyModels, make_assistant
-from lfdcore.study.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
-from lfdcore.study.runner import RunConfig, run_drive
+from lfdcore.study.arms import StudyModels, make_assistant
 
 ALL_AROUND = LidarConfig(beams=361, field_of_view=2 * math.pi)
 

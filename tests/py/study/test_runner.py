@@ -10,13 +10,15 @@ import pytest
 
 from lfdcore.datasets import open_log
 from lfdcore.geometry import Twist2
+from lfdcore.simulated.courses import Course, figure_eight, flat, training_courses
+from lfdcore.simulated.drivers import Driver, ExpertDriver, ImpairedDriver
+from lfdcore.simulated.run import Job, RunConfig, run_drive
+from lfdcore.simulated.trace import DriveTrace
 from lfdcore.simulation import LidarConfig
-from lfdcore.study.courses import Course, figure_eight, flat, training_courses
+from lfdcore.study.arms import ARMS, FOOTNOTE_ARMS, StudyModels, make_assistant
 from lfdcore.study.demonstrations import demonstrate
-from lfdcore.study.drivers import Driver, ExpertDriver, ImpairedDriver
-from lfdcore.study.driving import ARMS, FOOTNOTE_ARMS, DrivingStudy, StudyModels, make_assistant, run_driving_study
-from lfdcore.study.runner import Job, RunConfig, _interrupt_deferred, run_drive, run_jobs
-from lfdcore.study.trace import DriveTrace
+from lfdcore.study.driving.study import DrivingStudy, run_driving_study
+from lfdcore.study.jobs import _interrupt_deferred, run_jobs
 from lfdcore.wheelchair.assistants import STOP, Unassisted
 from lfdcore.wheelchair.observation import Assistance, Observation
 

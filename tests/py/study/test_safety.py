@@ -9,11 +9,11 @@ import pytest
 from lfdcore.control import Supervisor, SupervisorResult
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, approach, integrate
 from lfdcore.grid import ObstaclePoints, RollingMap
+from lfdcore.simulated.courses import Course, flat, office
+from lfdcore.simulated.drivers import ImpairedDriver, population
+from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig, joystick_to_twist
-from lfdcore.study.courses import Course, flat, office
-from lfdcore.study.drivers import ImpairedDriver, population
-from lfdcore.study.driving import StudyModels, make_assistant
-from lfdcore.study.runner import RunConfig, run_drive
+from lfdcore.study.arms import StudyModels, make_assistant
 
 LIMITS = MotionLimits()
 

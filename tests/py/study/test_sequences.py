@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets.lasa import Handwriting, read_all_handwriting
-from lfdcore.study.sequences import (
+from lfdcore.study.sequences.report import aims, sequence_rows, sequence_table, write_sequence_report
+from lfdcore.study.sequences.study import (
     BACK,
     NONE,
     SHARES,
@@ -21,7 +22,6 @@ from lfdcore.study.sequences import (
     samples,
     tuned_on,
 )
-from lfdcore.study.sequences_report import aims, sequence_rows, sequence_table, write_sequence_report
 
 
 def shape(k: int) -> Handwriting:
@@ -63,7 +63,7 @@ def test_held_out_demonstrations_do_not_teach(monkeypatch: pytest.MonkeyPatch) -
     held_out = set(draw.order[TAUGHT:].tolist())
     spoilt = tuple(tuple(m + 5.0 * (k in held_out) for k, m in enumerate(one)) for one in draw.motions)
     monkeypatch.setattr(
-        "lfdcore.study.sequences.answers", lambda hmm, motion, first=None: learned.append(hmm) or [0] * 7
+        "lfdcore.study.sequences.study.answers", lambda hmm, motion, first=None: learned.append(hmm) or [0] * 7
     )
     for motions in (draw.motions, spoilt):
         Draw(motions, draw.names, draw.order).run()
@@ -74,7 +74,7 @@ def test_held_out_demonstrations_do_not_teach(monkeypatch: pytest.MonkeyPatch) -
 def test_what_is_asked_was_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
     draw, asked = draws_of(STUDY)[0], []
     monkeypatch.setattr(
-        "lfdcore.study.sequences.answers", lambda hmm, motion, first=None: asked.append(motion) or [0] * 7
+        "lfdcore.study.sequences.study.answers", lambda hmm, motion, first=None: asked.append(motion) or [0] * 7
     )
     draw.run()
     held_out = [one[k].tobytes() for one in draw.motions for k in draw.order[TAUGHT:]]

@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from lfdcore.study.statistics import paired_ratio, paired_test, poisson_rate, proportion, summarise, summarise_bounded
+from lfdcore.study.report.statistics import (
+    paired_ratio,
+    paired_test,
+    poisson_rate,
+    proportion,
+    summarise,
+    summarise_bounded,
+)
 
 
 def test_the_interval_of_the_mean_covers_the_truth_in_95_percent_of_samples() -> None:

@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from lfdcore.control import DynamicWindowConfig
-from lfdcore.study.courses import campus, flat, from_map
-from lfdcore.study.driving import DrivingResult, DrivingStudy, StudyModels
-from lfdcore.study.driving_tasks import TaskResult, TaskStudy
-from lfdcore.study.plots import ARM_NAMES
-from lfdcore.study.statistics import paired_proportions_test
-from lfdcore.study.tables import DRIVING, FRAMEWORK, Table, course_labels, driving_tables, headline, task_tables
+from lfdcore.pictures.course import ARM_NAMES
+from lfdcore.simulated.courses import campus, flat, from_map
+from lfdcore.study.arms import StudyModels
+from lfdcore.study.driving.study import DrivingResult, DrivingStudy
+from lfdcore.study.driving.tables import DRIVING, FRAMEWORK, course_labels, driving_tables, headline, task_tables
+from lfdcore.study.driving.tasks import TaskResult, TaskStudy
+from lfdcore.study.report.statistics import paired_proportions_test
+from lfdcore.study.report.table import Table
 
 cells = st.text(st.characters(codec="ascii", categories=("L", "N")), min_size=1, max_size=24)
 

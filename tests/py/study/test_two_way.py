@@ -8,13 +8,13 @@ import pytest
 
 from lfdcore.geometry import MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan, local_grid
+from lfdcore.simulated.courses import hall
 from lfdcore.simulation import DrivingWorld, LidarConfig
-from lfdcore.study.backwards import AROUND, BackwardsStudy, run_backwards_study
-from lfdcore.study.backwards_report import backwards_table
-from lfdcore.study.courses import hall
+from lfdcore.study.backwards.report import backwards_table
+from lfdcore.study.backwards.study import AROUND, BackwardsStudy, run_backwards_study
 from lfdcore.wheelchair.assistants import DriveAssistant
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant, sees_all_around, turned, turned_chair
 

@@ -13,7 +13,7 @@ def pairs():
     """Pairs of three drives around a corner and three straight on."""
     from heatmap_drives import around_the_corner, corridor_log
 
-    from lfdcore.wheelchair.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
+    from lfdcore.training.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 
     starts = [(0.0, y, 0.0) for y in (-0.2, 0.0, 0.2)]
     logs = [around_the_corner(start=start, place="L") for start in starts]

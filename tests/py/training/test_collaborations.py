@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
-from lfdcore.study.passing_task import Rectangle, demonstrate_passing
+from lfdcore.simulated.passing import Rectangle, demonstrate_passing
 from lfdcore.training.collaborations import NoiseChoice, _LeftOut, learn_collaboration, left_out_errors
 
 CONFIG = CollaborationConfig(steps=60)

@@ -10,7 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, learned, samples_of
 
-from lfdcore.study.goal_evaluation import quarter_of_drive
+from lfdcore.study.goals.evaluation import quarter_of_drive
 from lfdcore.training.goal_models import (
     GoalLearningConfig,
     LongestScales,
@@ -23,9 +23,9 @@ from lfdcore.training.goal_models import (
 )
 from lfdcore.training.goal_net import GoalNetConfig
 from lfdcore.training.gp_hyperparameters import HyperParameterConfig, search_bounds
-from lfdcore.wheelchair.belief_track import track_beliefs
-from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
-from lfdcore.wheelchair.goal_samples import GoalSamples
+from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel
+from lfdcore.wheelchair.goals.samples import GoalSamples
+from lfdcore.wheelchair.goals.track import track_beliefs
 
 QUICK = GoalLearningConfig(
     network=GoalNetConfig(epochs=3), search_samples=40, searches=1, generations=3, subset=30, candidates=10

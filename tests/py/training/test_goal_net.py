@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import drives, samples_of
 
 from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
-from lfdcore.wheelchair.goal_network import sigmoid
+from lfdcore.wheelchair.goals.network import sigmoid
 
 QUICK = GoalNetConfig(epochs=40)
 

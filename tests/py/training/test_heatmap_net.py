@@ -11,8 +11,8 @@ from heatmap_drives import around_the_corner
 
 from lfdcore.errors import ModelError
 from lfdcore.training.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx, train_heatmap_net
-from lfdcore.wheelchair.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
-from lfdcore.wheelchair.sensor_heatmap import NaiveHeatmap, SensorHeatmap, naive_images
+from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
+from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap, naive_images
 
 SMALL = HeatmapNetConfig(width=4, epochs=2, batch=16)
 

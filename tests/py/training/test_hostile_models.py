@@ -7,8 +7,8 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from lfdcore.errors import ModelError
-from lfdcore.wheelchair import sensor_heatmap
-from lfdcore.wheelchair.sensor_heatmap import SensorHeatmap
+from lfdcore.wheelchair.heatmaps import sensor as sensor_heatmap
+from lfdcore.wheelchair.heatmaps.sensor import SensorHeatmap
 
 SAID = {"kind": "sensor", "version": 1, "resolution": 0.05, "cells": 100, "frame": "base_link"}
 WINDOW = [1, 1, 100, 100]

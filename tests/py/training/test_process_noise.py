@@ -10,9 +10,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drives, learned, samples_of, tiny_model
 
 from lfdcore.training.process_noise import best_calibrated, leave_drives_out
-from lfdcore.wheelchair.belief_track import track_beliefs
-from lfdcore.wheelchair.global_goal import GoalModel, LeftOutFigures
-from lfdcore.wheelchair.goal_samples import GoalSamples
+from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
+from lfdcore.wheelchair.goals.samples import GoalSamples
+from lfdcore.wheelchair.goals.track import track_beliefs
 
 
 def model_of(samples: GoalSamples) -> GoalModel:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
 from lfdcore.training.torch_action_model import TorchActionModel, full_action_model
-from lfdcore.wheelchair.global_goal import GoalFilter, GoalFilterConfig, GoalModel, prior_belief
-from lfdcore.wheelchair.goal_network import GoalNetwork
+from lfdcore.wheelchair.goals.model import GoalFilter, GoalFilterConfig, GoalModel, prior_belief
+from lfdcore.wheelchair.goals.network import GoalNetwork
 
 Floats = NDArray[np.float64]
 KERNELS = (

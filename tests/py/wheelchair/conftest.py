@@ -1,8 +1,8 @@
 import pytest
 from synthetic_drive import corner_drive
 
-from lfdcore.wheelchair.local_paths import LocalPaths, extract_local_paths
-from lfdcore.wheelchair.model_file import learn_drive
+from lfdcore.training.drive_primitives import learn_drive
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 
 
 @pytest.fixture(scope="session")

@@ -8,9 +8,9 @@ import numpy as np
 
 from lfdcore.datasets import DriveLog, Goal, Goals
 from lfdcore.estimation import ActionKernel
-from lfdcore.wheelchair.global_goal import GoalFilterConfig, GoalModel
-from lfdcore.wheelchair.goal_network import GoalNetwork
-from lfdcore.wheelchair.goal_samples import GoalSamples, goal_samples
+from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel
+from lfdcore.wheelchair.goals.network import GoalNetwork
+from lfdcore.wheelchair.goals.samples import GoalSamples, goal_samples
 
 GOALS = Goals((Goal("left", 6.0, 4.0), Goal("ahead", 9.0, 0.0), Goal("right", 6.0, -4.0)))
 

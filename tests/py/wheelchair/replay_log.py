@@ -12,8 +12,8 @@ del _core.simulation.DrivingWorld, simulation.DrivingWorld  # whoever asks for a
 
 from lfdcore.datasets import open_log  # noqa: E402
 from lfdcore.wheelchair.assistants import DriveAssistant  # noqa: E402
-from lfdcore.wheelchair.model_file import DriveAssistantModel  # noqa: E402
 from lfdcore.wheelchair.observation import observations  # noqa: E402
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel  # noqa: E402
 
 
 def main(model: str, log: str) -> None:

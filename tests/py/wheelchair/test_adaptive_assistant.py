@@ -8,8 +8,8 @@ import pytest
 
 from lfdcore.estimation import Kernel
 from lfdcore.wheelchair.adaptive_assistant import AdaptiveAssistant
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.joystick_model import JoystickBins, JoystickModel, JoystickModelConfig, JoystickPrior
+from lfdcore.wheelchair.heatmaps.joystick import JoystickBins, JoystickModel, JoystickModelConfig, JoystickPrior
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 
 PRIOR = JoystickPrior(Kernel(0.5, [0.5, 0.5]), 0.05)
 

@@ -20,12 +20,12 @@ from lfdcore.wheelchair.assistants import (
     DriveAssistantConfig,
     DynamicWindowAssistant,
     Supervised,
-    Surroundings,
     Unassisted,
 )
-from lfdcore.wheelchair.model_file import DriveAssistantModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.primitives_planner import PrimitivesPlannerConfig
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlannerConfig
+from lfdcore.wheelchair.surroundings import Surroundings
 
 LIMITS = MotionLimits()
 STOP = (0.0, 0.0)

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from synthetic_drive import corner_drive
 
 from lfdcore.control import pure_pursuit
-from lfdcore.wheelchair.compliance import ComplianceConfig, ComplianceModel, control_points
-from lfdcore.wheelchair.local_paths import LocalPaths, extract_local_paths
+from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel, control_points
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres
 
 

@@ -11,14 +11,15 @@ import pytest
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import DataError, ModelError
 from lfdcore.estimation import Kernel
-from lfdcore.wheelchair.joystick_model import (
+from lfdcore.wheelchair.heatmaps.joystick import (
     JoystickAdapter,
     JoystickBins,
     JoystickModel,
     JoystickModelConfig,
     JoystickPrior,
 )
-from lfdcore.wheelchair.models import full_deflection_of, load_model
+from lfdcore.wheelchair.models import load_model
+from lfdcore.wheelchair.stick import full_deflection_of
 
 ARRAYS = {"one": np.arange(5.0), "two": np.arange(6, dtype=np.uint8).reshape(2, 3)}
 

@@ -12,8 +12,8 @@ from lfdcore.datasets import Goal, Goals
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.estimation import ActionKernel
-from lfdcore.wheelchair.global_goal import KIND, VERSION, GoalFilter, GoalFilterConfig, GoalModel, prior_belief
-from lfdcore.wheelchair.goal_samples import GoalSamples, goal_state
+from lfdcore.wheelchair.goals.model import KIND, VERSION, GoalFilter, GoalFilterConfig, GoalModel, prior_belief
+from lfdcore.wheelchair.goals.samples import GoalSamples, goal_state
 
 # -- oracle: the filter with moments written out ----------------------------------------------------------------------
 

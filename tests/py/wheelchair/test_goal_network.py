@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from goal_worlds import GOALS, drive_to, drives, samples_of
 
-from lfdcore.wheelchair.goal_network import GoalNetwork, sigmoid, smoothed_over_time
-from lfdcore.wheelchair.goal_samples import drive_samples, goal_samples, goal_state
+from lfdcore.wheelchair.goals.network import GoalNetwork, sigmoid, smoothed_over_time
+from lfdcore.wheelchair.goals.samples import drive_samples, goal_samples, goal_state
 
 RNG = np.random.default_rng(1)
 

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
-from lfdcore.study.heatmap_calibration import crossed_cells, reliability
-from lfdcore.wheelchair.heatmap_calibration import HeatmapCalibration, pooled
+from lfdcore.study.heatmaps.calibration import crossed_cells, reliability
+from lfdcore.wheelchair.heatmaps.calibration import HeatmapCalibration, pooled
 
 
 @settings(max_examples=200, deadline=None)

@@ -11,11 +11,12 @@ from lfdcore.errors import DataError
 from lfdcore.geometry import MotionLimits, Twist2
 from lfdcore.grid import LaserScan, local_grid
 from lfdcore.planning import arc_orientation, joystick_orientation
-from lfdcore.wheelchair.heatmap_path import heatmap_path
-from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.heatmap_prediction import HeatmapPathPredictor, HeatmapPredictionConfig
-from lfdcore.wheelchair.models import full_deflection_of, load_model
+from lfdcore.wheelchair.heatmaps.path import heatmap_path
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.heatmaps.prediction import HeatmapPathPredictor, HeatmapPredictionConfig
+from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.observation import ChairGeometry
+from lfdcore.wheelchair.stick import full_deflection_of
 from lfdcore.wheelchair.window import cell_centres
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
-from lfdcore.wheelchair.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs
+from lfdcore.training.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs
 
 ALL_FREE = np.ones((100, 100), bool)
 BARE = HeatmapTargetConfig(sigma=0.0, path_radius=0.0, end_radius=0.0)
@@ -247,8 +247,8 @@ def test_a_real_log_gives_a_pair_at_nearly_every_scan_that_is_taken(data_folder)
 
 
 def test_runs_of_one_simulated_world_say_so_whatever_their_route():
-    from lfdcore.study.courses import home, office
-    from lfdcore.study.runner import place_note
+    from lfdcore.simulated.courses import home, office
+    from lfdcore.simulated.run import place_note
 
     one, two, other = (place_note(course) for course in (home(0), home(1), office()))
     assert one["place"] == two["place"] != other["place"]

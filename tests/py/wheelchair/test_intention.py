@@ -6,8 +6,8 @@ from lfdcore.estimation import RbfNetworkConfig, fit_rbf_network
 from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan
 from lfdcore.wheelchair.beams import BeamGeometry, clean_ranges
-from lfdcore.wheelchair.intention import IntentionConfig, IntentionModel
-from lfdcore.wheelchair.local_paths import LocalPaths, extract_local_paths
+from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres, cell_keys, key_centres
 
 

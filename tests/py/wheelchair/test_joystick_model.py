@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lfdcore.errors import ModelError
 from lfdcore.estimation import Kernel
-from lfdcore.wheelchair.joystick_model import (
+from lfdcore.wheelchair.heatmaps.joystick import (
     JoystickAdapter,
     JoystickAdapterConfig,
     JoystickBins,

@@ -8,7 +8,7 @@ from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, drive, log_of
 
 from lfdcore.geometry import Pose2
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
-from lfdcore.wheelchair.local_paths import (
+from lfdcore.wheelchair.primitives.local_paths import (
     LocalPathConfig,
     LocalPaths,
     extract_local_paths,

@@ -11,12 +11,12 @@ import pytest
 from lfdcore.datasets import DriveLog, open_log
 from lfdcore.geometry import Pose2, wrap_angle
 from lfdcore.grid import LaserScan, OccupancyGrid, RayCaster
+from lfdcore.simulated.courses import Course, Drawing, goal_building, goals_in_map
+from lfdcore.simulated.drivers import AbleDriver
+from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulation import ChairConfig, LidarConfig
-from lfdcore.study.courses import Course, Drawing, goal_building, goals_in_map
-from lfdcore.study.drivers import AbleDriver
-from lfdcore.study.runner import RunConfig, run_drive
 from lfdcore.wheelchair.assistants import Unassisted
-from lfdcore.wheelchair.localisation import LocalisedPose, LocaliserConfig, ScanLocaliser, localise_log
+from lfdcore.wheelchair.goals.localisation import LocalisedPose, LocaliserConfig, ScanLocaliser, localise_log
 
 SLIPPING = ChairConfig(linear_slip=0.05, angular_slip=0.05, slip_sd=0.05)
 MOUNTING = LidarConfig().T_base_laser

@@ -14,7 +14,8 @@ from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
-from lfdcore.wheelchair.model_file import KIND, VERSION, DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.training.drive_primitives import LearningConfig, learn_drive
+from lfdcore.wheelchair.primitives.model import KIND, VERSION, DriveAssistantModel
 
 
 @pytest.fixture
@@ -148,7 +149,7 @@ def test_the_thesis_preset_reaches_every_part(corner_logs):
 
 def test_a_model_learned_by_one_process_is_the_same_in_another(corner_model, saved):
     code = f"""
-from lfdcore.wheelchair.model_file import DriveAssistantModel
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 import numpy as np
 print(DriveAssistantModel.load({str(saved)!r}).compliance.map(np.array([0.7, 0.3])).sum(dtype=float).hex())
 """

@@ -8,10 +8,11 @@ from synthetic_drive import T_BASE_LASER, corner_drive
 from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.grid import LaserScan
+from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 from lfdcore.wheelchair.beams import BeamGeometry
-from lfdcore.wheelchair.local_paths import extract_local_paths
-from lfdcore.wheelchair.model_file import LearningConfig, learn_drive
-from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor, along, geometric_median
+from lfdcore.wheelchair.paths import along, geometric_median
+from lfdcore.wheelchair.primitives.local_paths import extract_local_paths
+from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 
 
 def test_the_geometric_median_has_the_least_sum_of_distances():
@@ -31,7 +32,7 @@ def test_one_voter_or_equal_voters_are_their_own_median():
 
 def test_a_path_is_equally_spaced_and_goes_straight_on_beyond_its_end():
     quarter = np.stack([np.sin(np.linspace(0, np.pi / 2, 400)), 1 - np.cos(np.linspace(0, np.pi / 2, 400))], 1)
-    path = along(quarter, 2.5, 26)
+    path = along(quarter, np.linspace(0, 2.5, 26))
     assert path.shape == (26, 2)
     np.testing.assert_allclose(path[10], [np.sin(1.0), 1 - np.cos(1.0)], atol=1e-5)
     beyond = np.diff(path[17:], axis=0)
@@ -51,7 +52,7 @@ def test_an_unseen_drive_through_the_corner_is_foretold_better_than_straight_on(
             log.ranges[np.searchsorted(log.scan_stamp, driven.stamp[i])], -np.pi / 2, np.pi / 180, 0.0, 30.0
         )
         path = predictor.predict(driven.joystick[i], scan, T_BASE_LASER)
-        truth = along(driven.paths[i], 2.0, 21)
+        truth = along(driven.paths[i], np.linspace(0, 2.0, 21))
         errors.append(np.linalg.norm(path[:21] - truth, axis=1).mean())
         straight.append(np.linalg.norm(np.stack([np.linspace(0, 2, 21), 0 * truth[:, 0]], 1) - truth, axis=1).mean())
     assert len(errors) > 100
@@ -88,7 +89,7 @@ def test_the_thesis_rule_is_the_primitive_to_the_likeliest_cell(corner_model):
     scan = scan_at(5.5, 0, 0.2)
     path = PathPredictor(corner_model, PathPredictionConfig.thesis()).predict(LEFT, scan, T_BASE_LASER)
     goal, _ = corner_model.intention.goal(corner_model.intention.predict(LEFT, scan, T_BASE_LASER))
-    np.testing.assert_allclose(path, along(corner_model.primitives.scaled_to(goal), 2.5, 26))
+    np.testing.assert_allclose(path, along(corner_model.primitives.scaled_to(goal), np.linspace(0, 2.5, 26)))
     assert np.linalg.norm(path - PathPredictor(corner_model).predict(LEFT, scan, T_BASE_LASER)) > 0.01
 
 
@@ -105,7 +106,14 @@ def test_on_freiburg_079_it_beats_straight_and_arc_and_the_mark_of_31_cm():
     if not folder:
         pytest.skip("LFDCORE_DATA is not set: no real logs at hand")
     from lfdcore.datasets import joystick_from_motion, open_log
-    from lfdcore.study.path_error import ARC, at_arc_lengths, constant_arc, path_errors, path_samples, straight
+    from lfdcore.study.prediction.path_error import (
+        ARC,
+        at_arc_lengths,
+        constant_arc,
+        path_errors,
+        path_samples,
+        straight,
+    )
 
     whole = joystick_from_motion(open_log(Path(folder) / "logs" / "freiburg-079-corrected.log.gz"))
     train, rest = whole.share(0.0, 0.7), whole.share(0.7, 1.0)

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lfdcore.wheelchair.local_paths import LocalPaths
-from lfdcore.wheelchair.path_primitives import PathPrimitiveConfig, PathPrimitives, orientation_bin
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths
+from lfdcore.wheelchair.primitives.path_primitives import PathPrimitiveConfig, PathPrimitives, orientation_bin
 
 
 def arcs(curvatures, lengths):

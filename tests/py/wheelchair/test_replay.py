@@ -10,11 +10,11 @@ import pytest
 import lfdcore
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.study.courses import flat
-from lfdcore.study.drivers import ImpairedDriver
-from lfdcore.study.driving import StudyModels, make_assistant
-from lfdcore.study.runner import RunConfig, run_drive
-from lfdcore.study.trace import DriveTrace
+from lfdcore.simulated.courses import flat
+from lfdcore.simulated.drivers import ImpairedDriver
+from lfdcore.simulated.run import RunConfig, run_drive
+from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.arms import StudyModels, make_assistant
 from lfdcore.wheelchair.observation import observations
 
 SECONDS = 30.0

@@ -21,23 +21,24 @@ from lfdcore.datasets import open_log
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan, ObstaclePoints, OccupancyGrid
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
+from lfdcore.simulated.courses import home
+from lfdcore.simulated.drivers import ExpertDriver
+from lfdcore.simulated.passing import Rectangle, demonstrate_passing
+from lfdcore.simulated.run import run_drive
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
-from lfdcore.study.courses import home
-from lfdcore.study.drivers import ExpertDriver
-from lfdcore.study.passing_task import Rectangle, demonstrate_passing
-from lfdcore.study.runner import run_drive
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
+from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
-from lfdcore.wheelchair.global_goal import GoalFilter
-from lfdcore.wheelchair.goal_samples import drive_samples
-from lfdcore.wheelchair.heatmap_model import HeatmapModel
-from lfdcore.wheelchair.heatmap_planner import HeatmapPlanner
-from lfdcore.wheelchair.model_file import DriveAssistantModel, LearningConfig, learn_drive
+from lfdcore.wheelchair.goals.model import GoalFilter
+from lfdcore.wheelchair.goals.samples import drive_samples
+from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
-from lfdcore.wheelchair.path_prediction import PathPredictionConfig, PathPredictor
 from lfdcore.wheelchair.planner import Planner
-from lfdcore.wheelchair.primitives_planner import PrimitivesPlanner
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner
+from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lfdcore.wheelchair.compliance import ComplianceModel
-from lfdcore.wheelchair.local_paths import LocalPaths
-from lfdcore.wheelchair.model_file import LearningConfig, learn_drive
-from lfdcore.wheelchair.typical_paths import TypicalPathConfig, typical, typical_paths
+from lfdcore.training.drive_primitives import LearningConfig, learn_drive
+from lfdcore.training.typical_paths import TypicalPathConfig, typical, typical_paths
+from lfdcore.wheelchair.primitives.compliance import ComplianceModel
+from lfdcore.wheelchair.primitives.local_paths import LocalPaths
 
 HARD_LEFT = np.array([np.cos(np.radians(72.0)), np.sin(np.radians(72.0))])
 

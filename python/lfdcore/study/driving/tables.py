@@ -1,0 +1,390 @@
+"""Tables 3.1-3.3 and 4.1 beside the thesis's numbers, figures to reach, tasks; each figure with n and an interval."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lfdcore.control import DynamicWindowConfig
+from lfdcore.pictures.course import arm_name
+from lfdcore.simulated.courses import Course
+from lfdcore.study.driving.metrics import JERK_WINDOW
+from lfdcore.study.driving.study import DrivingResult, DrivingStudy
+from lfdcore.study.driving.tasks import TASK_GOALS, TASK_NAMES, TaskResult
+from lfdcore.study.prediction.study import LogPrediction
+from lfdcore.study.prediction.tables import prediction_cells
+from lfdcore.study.report.aims import Aim
+from lfdcore.study.report.cells import mean_cell, p_cell, share_cell
+from lfdcore.study.report.statistics import (
+    paired_proportions_test,
+    paired_ratio,
+    paired_test,
+    summarise,
+)
+from lfdcore.study.report.table import Row, Table
+from lfdcore.wheelchair.assistants import DynamicWindowAssistant
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A row: our name, how to print it, and the thesis's figures from simulation and from the real chair."""
+
+    key: str
+    label: str
+    digits: int
+    simulated: str = ""
+    real: str = ""
+    bounded: bool = False
+    """a count or in [0, 1] and near an end of it: the interval is a bootstrap's"""
+    heatmaps: str = ""
+    """the thesis's simulated figures with heatmaps (Table 4.1)"""
+
+
+DRIVING = (
+    Metric(
+        "angular_jerk",
+        "angular jerk [rad/s3]",
+        2,
+        "0.07+-0.03\n-> 0.03+-0.02",
+        "0.03+-0.03\n-> 0.025+-0.03",
+        heatmaps="0.04+-0.01\n-> 0.02+-0.01",
+    ),
+    Metric("time", "time taken [s]", 0, "166+-25\n-> 146+-16", "566\n-> 252", heatmaps="162+-22\n-> 150+-20"),
+    Metric("mean_free_speed", "mean free speed [m/s]", 2, "0.59+-0.07\n-> 0.67+-0.07"),
+    Metric("distance", "distance travelled [m]", 0, "96+-1\n-> 97+-2", "238\n-> 220", heatmaps="97+-2\n-> 97+-1"),
+    Metric(
+        "steering_entropy",
+        "steering entropy,\nown baseline",
+        2,
+        "0.57+-0.02\n-> 0.55+-0.03",
+        "0.57\n-> 0.60",
+        heatmaps="0.58+-0.03\n-> 0.59+-0.02",
+    ),
+    Metric("steering_entropy_fixed", "steering entropy,\nfixed baseline", 2),
+    Metric("reversals", "reversals", 1, bounded=True),
+    Metric("stuck", "share of time stuck", 3, bounded=True),
+    Metric("supervised", "share of commands\nsupervised", 2, bounded=True),
+)
+FRAMEWORK = (
+    Metric("obedience", "user obedience", 2, "0.87+-0.11", "0.88+-0.09", bounded=True),
+    Metric("angular_error", "angular error\nbehind it [deg]", 0),
+    Metric("path_compliance", "path compliance\n(share)", 2, "0.64+-0.33", "0.56+-0.40", bounded=True),
+    Metric("tracked_compliance", "... while it was\ntracked (share)", 2, bounded=True),
+    Metric("compliant_length", "compliant length [m]", 2),
+    Metric("path_rmse", "path RMSE [m]", 3, "0.04+-0.03", "0.10+-0.07"),
+    Metric("path_rmse_ahead", "... of points agreed\nto, not reached [m]", 3),
+    Metric("replans_per_metre", "replans per metre", 2),
+)
+
+
+_DEFINITIONS = (
+    "The thesis does not define these to the letter; ours (study/driving/metrics.py): path compliance counts path "
+    "points that complied at any later time; compliant length reaches to the last control point that complied while its path was "
+    "tracked; path RMSE is over the points passed by then, and would be the larger one with those ahead."
+)
+
+
+_INTERVALS = (
+    "mean+-sd over drivers, below it the 95 % interval of the mean: Student's, cut at 0; for counts, shares and "
+    "user obedience the percentiles of a seeded bootstrap, which are too narrow where n is small. "
+)
+_JERK = (
+    f" Angular jerk: the thesis states no smoothing; ours is a Savitzky-Golay parabola over {JERK_WINDOW:g} s of the "
+    "true motion, so only ratios between arms compare (docs/decisions.md)."
+)
+_JERK_RATIO = (
+    " The thesis's angular jerk falls from 0.07 to 0.03 (Table 3.1), by its digits to between 0.33 and 0.54 of "
+    "unassisted, with heatmaps from 0.04 to 0.02 (Table 4.1: 0.33 to 0.71). Ours need not agree: its smoothing is not "
+    "stated, drivers, courses and the chair's limits are others, and about half of our reduction comes from the "
+    "low-pass on commands along a path (docs/decisions.md)."
+)
+_NOT_MEASURED = (
+    " '-': not measured, or too few pairs for a test; a fixed baseline of the steering entropy needs the same driver's "
+    "unassisted run, and prediction errors in it."
+)
+
+
+def _completed(result: DrivingResult, course: str, arm: str) -> list[bool]:
+    rows = (row for row in result.rows if (row["course"], row["assistant"]) == (course, arm))
+    return [row["outcome"] == "completed" for row in rows]
+
+
+def _contacts(counts: Sequence[float]) -> str:
+    """Total, and below it how many drivers had any."""
+    return f"{int(sum(counts))}\n{sum(c > 0 for c in counts)} of {len(counts)} drivers"
+
+
+def _horizon(arms: Sequence[str]) -> str:
+    """What DWA's figures depend on most: its twists are held for longer than its goal lies ahead."""
+    if "dwa" not in arms:
+        return ""
+    horizon, ahead = DynamicWindowConfig().horizon, DynamicWindowAssistant().projection
+    return (
+        f" DWA's horizon is {horizon:g} s and its goal the input projected {ahead:g} s ahead (Sec. 3.5), so in the "
+        f"open it drives at {ahead / horizon:.0%} of the asked speed."
+    )
+
+
+def _stacked(name: str) -> str:
+    """An arm's name over as many lines as it has parts."""
+    return name.replace(" (", "\n(").replace(", ", ",\n").replace(" only", "\nonly")
+
+
+def _arm_columns(arms: Sequence[str]) -> Row:
+    """Headers: a column an arm, then one for the p of each but the first."""
+    short = (arm_name(arm).removesuffix(" (learned)") for arm in arms[1:])
+    return (*(_stacked(arm_name(arm)) for arm in arms), *(_stacked(f"p, {name}") for name in short))
+
+
+def course_labels(courses: Sequence[Course]) -> dict[str, str]:
+    """By name, what tables call a course: without the seed of its random route, where that leaves them distinct."""
+    short = {course.name: _without_seed(course) for course in courses}
+    labels = list(short.values())
+    return {name: label if labels.count(label) == 1 else name for name, label in short.items()}
+
+
+def _without_seed(course: Course) -> str:
+    name, _, seed = course.name.rpartition("-")
+    return name if name and f"seed {seed}," in course.description else course.name
+
+
+REAL_COURSE = "campus"
+"""The course that stands for the thesis's real one (Fig. 3.18, Table 3.2); all others stand for Table 3.1's."""
+
+
+@dataclass(frozen=True)
+class _Thesis:
+    """A table of the thesis, as a column beside ours."""
+
+    number: str
+    header: str
+    figures: str
+    """the field of a Metric"""
+    collisions: str
+    users: str
+
+
+_PRIMITIVES_REAL = _Thesis("3.2", "thesis,\nreal", "real", "8 -> 0", "one volunteer on a real chair")
+_PRIMITIVES = _Thesis("3.1", "thesis,\nCh. 3", "simulated", "5 -> 0", "10 people in simulation (Ch. 3)")
+_HEATMAPS = _Thesis("4.1", "thesis,\nCh. 4", "heatmaps", "4 -> 0", "5 people in simulation (Ch. 4)")
+
+
+def _thesis_columns(arms: Sequence[str], real: bool) -> list[_Thesis]:
+    """What stands beside: of Ch. 3, and where heatmaps drive in what stands for its course, of Ch. 4 too."""
+    if real:
+        return [_PRIMITIVES_REAL]
+    return [_PRIMITIVES, _HEATMAPS] if "heatmaps" in arms else [_PRIMITIVES]
+
+
+def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
+    arms, study = result.study.arms, result.study
+    done = [_completed(result, course, arm) for arm in arms]
+    hits = [result.column(course, arm, "collisions") for arm in arms]
+    ps = [p_cell(paired_proportions_test(done[0], other)) for other in done[1:]]
+    thesis = _thesis_columns(arms, course == REAL_COURSE)
+    rows: list[Row] = [("completed", *(share_cell(sum(d), len(d)) for d in done), *ps, *("" for _ in thesis))]
+    ps = [p_cell(paired_test(hits[0], other).p) for other in hits[1:]]
+    rows.append(("collisions, total", *map(_contacts, hits), *ps, *(column.collisions for column in thesis)))
+    for metric in DRIVING:
+        columns = [result.column(course, arm, metric.key) for arm in arms]
+        ps = [p_cell(paired_test(columns[0], other).p) for other in columns[1:]]
+        cells = (mean_cell(column, metric.digits, metric.bounded) for column in columns)
+        rows.append((metric.label, *cells, *ps, *(getattr(metric, column.figures) for column in thesis)))
+    return Table(
+        f"Driving metrics, {label} (as Table {' and '.join(column.number for column in thesis)}; n = {study.drivers} "
+        f"simulated impaired drivers, {_seeds(study)})",
+        ("", *_arm_columns(arms), *(column.header for column in thesis)),
+        tuple(rows),
+        f"{_INTERVALS}Completed: Wilson's interval. p: against {arm_name(arms[0])}, paired over drivers (exact "
+        "Wilcoxon signed-rank; McNemar's exact test for completion), not corrected for their number. "
+        "Failures (stuck, out of time) stay in, with the time at which they were given up: where an arm completes "
+        "less, its time and distance are too small. Thesis: unassisted -> assisted, "
+        f"{'; '.join(column.users for column in thesis)}, in another course of its own.{_JERK}{_horizon(arms)}"
+        f"{_NOT_MEASURED if any('-' in row for row in rows) else ''}",
+    )
+
+
+def _framework_table(result: DrivingResult) -> Table | None:
+    arms = [arm for arm in result.study.arms if any("path_rmse" in r for r in result.rows if r["assistant"] == arm)]
+    if not arms:
+        return None
+    pairs = [(arm, course.name) for arm in arms for course in result.study.courses]
+    rows = []
+    for metric in FRAMEWORK:
+        values = [
+            [r.get(metric.key, np.nan) for r in result.rows if (r["assistant"], r["course"]) == pair] for pair in pairs
+        ]
+        cells = (mean_cell(v, metric.digits, metric.bounded) for v in values)
+        rows.append((metric.label, *cells, metric.simulated, metric.real))
+    labels = course_labels(result.study.courses)
+    return Table(
+        f"Framework metrics (as Table 3.3; n = {result.study.drivers} simulated impaired drivers a column)",
+        (
+            "",
+            *(f"{_stacked(arm_name(arm))}\n{labels[course]}" for arm, course in pairs),
+            "thesis,\nsimulated",
+            "thesis,\nreal",
+        ),
+        tuple(rows),
+        _INTERVALS + _DEFINITIONS,
+    )
+
+
+def _ratio(result: DrivingResult, course: str, arm: str, metric: str) -> tuple[float, int]:
+    """To unassisted, over the drivers who completed in both arms -> ratio, their number."""
+    without, of_arm = (result.column(course, name, metric) for name in ("none", arm))
+    both = np.array(_completed(result, course, "none")) & np.array(_completed(result, course, arm))
+    return paired_ratio(without, of_arm, both)
+
+
+def _mean(values: Sequence[float]) -> float:
+    return summarise(values).mean
+
+
+def _aims(result: DrivingResult, course: str, arm: str) -> list[Aim]:
+    def ratio(metric: str, label: str, most: float) -> Aim:
+        found, n = _ratio(result, course, arm, metric)
+        pairs = n if n < result.study.drivers else None
+        return Aim(f"{label} / unassisted", f"<= {most:.2f}", found, 2, found <= most, pairs)
+
+    hits, done = sum(result.column(course, arm, "collisions")), _completed(result, course, arm)
+    share = sum(done) / len(done)
+    aims = [
+        Aim("collisions", "0", hits, 0, hits == 0),
+        Aim("completed (share)", ">= 0.95", share, 2, share >= 0.95),
+        ratio("angular_jerk", "angular jerk", _MOST_JERK[arm]),
+        ratio("time", "time", 1.0),
+    ]
+    return aims if arm == "heatmaps" else [*aims, *_framework_aims(result, course, arm)]
+
+
+_MOST_JERK = {"primitives": 0.6, "heatmaps": 0.5}
+"""Of unassisted driving's: Table 4.1 has it halved."""
+
+
+def _framework_aims(result: DrivingResult, course: str, arm: str) -> list[Aim]:
+    """Table 3.3's; Ch. 4 has none"""
+    rows = [row for row in result.rows if (row["course"], row["assistant"]) == (course, arm)]
+    names = ("obedience", "path_rmse", "compliant_length", "path_compliance")
+    found = {name: _mean([row.get(name, np.nan) for row in rows]) for name in names}
+    return [
+        Aim("user obedience", ">= 0.87", found["obedience"], 2, found["obedience"] >= 0.87),
+        Aim("path RMSE [m]", "<= 0.040", found["path_rmse"], 3, found["path_rmse"] <= 0.04),
+        Aim("compliant length [m]", ">= 0.80", found["compliant_length"], 2, found["compliant_length"] >= 0.8),
+        Aim("path compliance (share)", ">= 0.60", found["path_compliance"], 2, found["path_compliance"] >= 0.6),
+    ]
+
+
+def aims_table(result: DrivingResult, arm: str) -> Table | None:
+    """What 'primitives' or 'heatmaps' were to reach, and whether they did, on each course; None without that arm or the
+    unassisted one."""
+    if not {"none", arm} <= set(result.study.arms):
+        return None
+    names = [course.name for course in result.study.courses]
+    columns = [_aims(result, name, arm) for name in names]
+    rows = [(aims[0].label, aims[0].wanted, *(a.as_text() for a in aims)) for aims in zip(*columns, strict=True)]
+    labels = course_labels(result.study.courses)
+    defined = "" if arm == "heatmaps" else f" {_DEFINITIONS}"
+    return Table(
+        f"Figures to reach, {arm_name(arm)} (n = {result.study.drivers} simulated drivers a course)",
+        ("", "wanted", *(f"{labels[course.name]}\n({course.split})" for course in result.study.courses)),
+        tuple(rows),
+        "Means over drivers; a ratio is that of the two arms' means over the drivers who completed in both arms, with "
+        f"their n where that is not all. In brackets: what the course may be used for.{defined}{_JERK_RATIO}",
+    )
+
+
+def headline(result: DrivingResult) -> str:
+    """The result in a sentence: collisions, completion and jerk of the learned arms (without any the last one) and
+    unassisted."""
+    study = result.study
+    arms = [arm for arm in _MOST_JERK if arm in study.arms] or [study.arms[-1]]
+    first = [name for name in ("none",) if name in study.arms and name not in arms]
+    text = "; ".join(_counts(result, name) for name in (*arms, *first))
+    if first:
+        jerks = "; ".join(_jerk_ratios(result, arm, named=len(arms) > 1) for arm in arms)
+        text += f". Angular jerk / unassisted: {jerks}".replace("nan", "-")
+    people = f"simulated impaired driver{'s' * (study.drivers != 1)}"
+    return f"{text}. n = {study.drivers} {people} a course, {_seeds(study)}."
+
+
+def _jerk_ratios(result: DrivingResult, arm: str, named: bool) -> str:
+    labels = course_labels(result.study.courses)
+    ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
+    return (f"{arm_name(arm)} " if named else "") + ", ".join(ratios)
+
+
+def _seeds(study: DrivingStudy) -> str:
+    last = study.seed + study.drivers - 1
+    return f"seeds {study.seed}..{last}" if study.drivers > 1 else f"seed {last}"
+
+
+def _counts(result: DrivingResult, arm: str) -> str:
+    rows = [row for row in result.rows if row["assistant"] == arm]
+    hits, done = sum(row["collisions"] for row in rows), sum(row["outcome"] == "completed" for row in rows)
+    return f"{arm_name(arm)}: {hits} collision{'s' * (hits != 1)}, {done} of {len(rows)} runs completed"
+
+
+def driving_tables(result: DrivingResult) -> list[Table]:
+    """Figures to reach, Tables 3.1 and 4.1 (one a course) and 3.3."""
+    tables = [_driving_table(result, name, label) for name, label in course_labels(result.study.courses).items()]
+    aims = [aims_table(result, arm) for arm in _MOST_JERK]
+    return [t for t in (*aims, *tables, _framework_table(result)) if t is not None]
+
+
+_TASK_SHARES = (("success", "success\n(reached, no contact)"), ("reached", "reached"), ("stuck", "stuck for a while"))
+_TASK_FIGURES = (
+    ("contacts", "contacts", 1, True),
+    ("reversals", "reversals", 1, True),
+    ("time", "time [s]", 0, False),
+)
+
+
+def _stuck_runs(result: TaskResult, task: str) -> str:
+    """What stuck means in a task, and how the runs that were stuck ended."""
+    ends = []
+    for arm in result.study.arms:
+        reached = [
+            end for end, s in zip(*(result.column(task, arm, k) for k in ("reached", "stuck")), strict=True) if s
+        ]
+        if reached:
+            ends.append(f"{sum(reached)} of {len(reached)} ({arm_name(arm)})")
+    meaning = "Stuck for a while: less than .1 m in some 10 s while forward is asked; in a task that ends no run"
+    return f"{meaning}, and of these runs {', '.join(ends)} still reached it." if ends else f"{meaning}."
+
+
+def _task_table(result: TaskResult, task: str) -> Table:
+    arms, study = result.study.arms, result.study
+    rows: list[Row] = []
+    for key, label in _TASK_SHARES:
+        columns = [result.column(task, arm, key) for arm in arms]
+        ps = [p_cell(paired_proportions_test(columns[0], other)) for other in columns[1:]]
+        rows.append((label, *(share_cell(sum(c), len(c)) for c in columns), *ps))
+    for key, label, digits, bounded in _TASK_FIGURES:
+        columns = [result.column(task, arm, key) for arm in arms]
+        ps = [p_cell(paired_test(columns[0], other).p) for other in columns[1:]]
+        rows.append((label, *(mean_cell(c, digits, bounded) for c in columns), *ps))
+    return Table(
+        f"Task: {TASK_NAMES[task]} (n = {study.starts} starts and simulated impaired drivers, seeds {study.seed}.."
+        f"{study.seed + study.starts - 1})",
+        ("", *_arm_columns(arms)),
+        tuple(rows),
+        f"{TASK_GOALS[task]} Success: reached without any contact. {_stuck_runs(result, task)} Shares with Wilson's 95 "
+        f"% interval, p (against {arm_name(arms[0])}) by McNemar's exact test; else mean+-sd, the mean's 95 % interval "
+        "(Student's, cut at 0; for counts a seeded bootstrap's percentiles) and Wilcoxon's p."
+        f"{_horizon(arms)}",
+    )
+
+
+def task_tables(result: TaskResult) -> list[Table]:
+    """One table a task: success, stuck rate, reversals in every arm."""
+    return [_task_table(result, task) for task in result.study.tasks]
+
+
+def prediction_table(prediction: LogPrediction, seed: int = 1) -> Table:
+    """Path error along a real log beside both baselines."""
+    header, *lines = prediction_cells(prediction, seed)
+    note = "Mean path error at equal arc length; 95 % intervals by block bootstrap over 5 m of way, seed "
+    return Table(f"Path error along {prediction.log.name} (real log)", header, tuple(lines), f"{note}{seed}.")

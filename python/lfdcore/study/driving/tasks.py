@@ -1,0 +1,141 @@
+"""Short tasks from many starts: through a doorway and dock at a table; a narrow gap from the side (Fig. 3.13, 3.15)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.simulated.courses import Course, Task, doorway_and_docking, narrow_gap
+from lfdcore.simulated.courses.tasks import DOCKING_DISTANCE
+from lfdcore.simulated.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
+from lfdcore.simulated.run import Job, RunConfig
+from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.arms import ARMS, StudyModels, make_assistant, require_arms, require_once
+from lfdcore.study.driving.metrics import reversals, stuck_time
+from lfdcore.study.jobs import run_jobs
+
+TASKS: dict[str, Callable[[int], Task]] = {"doorway_and_docking": doorway_and_docking, "narrow_gap": narrow_gap}
+TASK_NAMES = {"doorway_and_docking": "doorway, then docking", "narrow_gap": "narrow gap (.90 m)"}
+DOCKING_SPEED = 0.2
+"""A chair beside its table counts as docked when it is no faster than this [m/s]: it stops within a few cm."""
+TASK_GOALS = {
+    "doorway_and_docking": (
+        f"Reached means docked: at the end of the run the chair's outline is within {DOCKING_DISTANCE:g} m of the "
+        f"table; the run ends once that is so at no more than {DOCKING_SPEED:g} m/s, or when its time is over."
+    ),
+    "narrow_gap": (
+        "Reached: the whole chair is behind the wall with the gap; the run ends then, or when its time is over."
+    ),
+}
+"""What counts as reached, for readers of a table."""
+
+
+class TaskDriver(ImpairedDriver):
+    """An impaired driver who goes on until the task is done: behind the gap, or docked; only time ends it else."""
+
+    def __init__(self, task: Task, config: ImpairedConfig) -> None:
+        self._task = task
+        super().__init__(task.course, config)
+
+    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
+        """As any driver, but for the end."""
+        slow = self._task.table is None or abs(twist.linear) <= DOCKING_SPEED
+        self._done = self._done or (slow and self._task.reached(pose))
+        return super().act(stamp, pose, twist, in_contact)
+
+    def _at_end(self, seen: Pose2) -> bool:
+        return False
+
+
+def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
+    return TaskDriver(task, config)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskStudy:
+    """Start k of each task is drawn from `seed` + k and driven by driver k of the population in every arm."""
+
+    models: StudyModels
+    tasks: tuple[str, ...] = tuple(TASKS)
+    arms: tuple[str, ...] = ARMS
+    starts: int = 20
+    seed: int = 1
+    run: RunConfig = field(default_factory=RunConfig)
+
+    def __post_init__(self) -> None:
+        require_arms(self.arms)
+        require_once("task", self.tasks)
+        for name in self.tasks:
+            if name not in TASKS:
+                raise ValueError(f"task is '{name}', must be one of {', '.join(TASKS)}")
+
+    def made(self, name: str) -> list[Task]:
+        """The task's starts."""
+        return [TASKS[name](self.seed + k) for k in range(self.starts)]
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """Rows and traces in a fixed order: task, start, arm."""
+
+    study: TaskStudy
+    rows: tuple[dict[str, Any], ...]
+    """one a run: task, assistant, seed, reached, success (reached, no contact), contacts, stuck, reversals, time [s]"""
+    traces: tuple[DriveTrace, ...]
+    courses: tuple[Course, ...]
+    """of each trace"""
+
+    def column(self, task: str, arm: str, name: str) -> list[Any]:
+        """One figure of an arm in the order of starts."""
+        return [row[name] for row in self.rows if (row["task"], row["assistant"]) == (task, arm)]
+
+
+def _limits(task: Task, run: RunConfig) -> RunConfig:
+    """A task has its own time, and being stuck does not end it: its driver may get free."""
+    return replace(run, slowest=task.course.length / task.time_limit, stuck_after=float("inf"))
+
+
+def task_row(name: str, task: Task, trace: DriveTrace) -> dict[str, Any]:
+    """What is counted of one run. Stuck: less than .1 m in some 10 s while forward is asked."""
+    reached = task.reached(Pose2(*trace.pose[-1]), trace.footprint)
+    contacts = int(trace.collision.sum())
+    return {
+        "task": name,
+        "assistant": trace.assistant,
+        "seed": trace.seed,
+        "reached": reached,
+        "contacts": contacts,
+        "success": reached and contacts == 0,
+        "stuck": stuck_time(trace) > 0,
+        "reversals": reversals(trace),
+        "time": float(trace.stamp[-1]),
+    }
+
+
+def run_task_study(
+    study: TaskStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
+) -> TaskResult:
+    """Runs all tasks over processes; the result does not depend on their number."""
+    drivers = population(study.starts, study.seed)
+    plan = [
+        (name, task, arm, config)
+        for name in study.tasks
+        for task, config in zip(study.made(name), drivers, strict=True)
+        for arm in study.arms
+    ]
+    jobs = [
+        Job(
+            task.course,
+            partial(_driver, task, config),
+            partial(make_assistant, arm, study.models, study.run),
+            task.seed,
+            _limits(task, study.run),
+        )
+        for _, task, arm, config in plan
+    ]
+    traces = run_jobs(jobs, progress, processes)
+    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, traces, strict=True))
+    return TaskResult(study, rows, traces, tuple(job.course for job in jobs))

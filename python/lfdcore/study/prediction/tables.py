@@ -1,0 +1,151 @@
+"""Path errors of predictions as rows, text and JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.study.prediction.path_error import REACHES, path_errors
+from lfdcore.study.prediction.study import (
+    ARC_ON,
+    BLOCK,
+    STRAIGHT,
+    Array,
+    ErrorRow,
+    LogPrediction,
+    ModelPaths,
+    _way,
+)
+from lfdcore.study.report.statistics import block_bootstrap, block_bootstrap_ratio
+
+
+def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
+    """n, mean, median, 95 % interval, paired difference and ratio to the better baseline, at 1, 2 and 2.5 m."""
+    return pooled_rows([prediction], seed)
+
+
+def pooled_rows(predictions: Sequence[LogPrediction], seed: int = 1) -> list[ErrorRow]:
+    """error_rows of the samples of several logs together, all by the same models. ValueError if they are not."""
+    judged = [p for p in predictions if len(p.samples)]
+    if not judged:
+        return []
+    predicted = [p.predicted() for p in judged]
+    if any(one.keys() != predicted[0].keys() for one in predicted):
+        raise ValueError(f"logs were predicted by different models: {[list(p.models) for p in judged]}")
+    paths = {name: np.concatenate([one[name] for one in predicted]) for name in predicted[0]}
+    driven, blocks = np.concatenate([p.samples.driven for p in judged]), _blocks(judged)
+    return [row for reach in REACHES for row in _rows(paths, driven, blocks, reach, seed)]
+
+
+def _blocks(predictions: Sequence[LogPrediction]) -> NDArray[np.int_]:
+    """(N,) which 5 m of way, of which log, each sample belongs to"""
+    found: list[NDArray[np.int_]] = []
+    first = 0
+    for p in predictions:
+        found.append(first + np.floor_divide(_way(p.log)[p.samples.scan], BLOCK).astype(int))
+        first = int(found[-1].max()) + 1
+    return np.concatenate(found)
+
+
+def _rows(
+    predicted: Mapping[str, Array], driven: Array, blocks: NDArray[np.int_], reach: float, seed: int
+) -> list[ErrorRow]:
+    errors = {name: path_errors(paths, driven, reach) for name, paths in predicted.items()}
+    best = min((STRAIGHT, ARC_ON), key=lambda name: errors[name].mean())
+    columns = np.stack([*errors.values(), *(e - errors[best] for e in errors.values())], axis=1)
+    low, high = block_bootstrap(columns, blocks, seed)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a baseline that is never wrong: no ratio
+        share = columns[:, : len(errors)].mean(axis=0) / errors[best].mean()
+    share_low, share_high = block_bootstrap_ratio(columns[:, : len(errors)], errors[best], blocks, seed)
+    rows = []
+    for k, (name, e) in enumerate(errors.items()):
+        d = k + len(errors)
+        own = (float(e.mean()), float(low[k]), float(high[k]), float(np.median(e)))
+        paired = (float(columns[:, d].mean()), float(low[d]), float(high[d]))
+        ratio = (float(share[k]), float(share_low[k]), float(share_high[k]))
+        rows.append(ErrorRow(name, reach, len(e), *own, *paired, *ratio, best))
+    return rows
+
+
+def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
+    """All figures of one log by name; None or NaN where there is none."""
+    about = {
+        name: {
+            "missing": float(paths.missing.mean()) if len(paths.missing) else None,
+            "compliant": paths.compliant_share,
+            "rmse_compliant": paths.rmse,
+            "stick": paths.stick,
+        }
+        for name, paths in prediction.models.items()
+    }
+    rows = [dataclasses.asdict(row) for row in error_rows(prediction, seed)]
+    return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
+
+
+def prediction_cells(prediction: LogPrediction, seed: int = 1) -> list[tuple[str, ...]]:
+    """The header and a row a method and reach, as text."""
+    return _table(error_rows(prediction, seed))
+
+
+def as_text(prediction: LogPrediction, seed: int = 1) -> str:
+    """The same for people: a table, and a line a model."""
+    if prediction.outcome:
+        return f"{prediction.log.name}: {prediction.outcome}\n"
+    lines = [f"{prediction.log.name}: path error", *_aligned(prediction_cells(prediction, seed))]
+    lines += [_about(name, paths) for name, paths in prediction.models.items()]
+    return "\n".join(lines) + "\n"
+
+
+def pooled_text(predictions: Sequence[LogPrediction], seed: int = 1) -> str:
+    """For people: one table of all logs together."""
+    judged = [p.log.name for p in predictions if not p.outcome]
+    return "\n".join([f"{', '.join(judged)} together: path error", *_aligned(_table(pooled_rows(predictions, seed)))])
+
+
+def _table(rows: Sequence[ErrorRow]) -> list[tuple[str, ...]]:
+    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %", "ratio", "95 %")
+    return [header, *(tuple(_cells(row)) for row in rows)]
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
+    lines = []
+    for first, *others in rows:
+        cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
+    return lines
+
+
+def _cells(row: ErrorRow) -> tuple[str, ...]:
+    def interval(low: float, high: float) -> str:
+        return "-" if np.isnan(low) else f"{low:.3f} .. {high:.3f}"
+
+    baseline = row.predictor == row.baseline
+    return (
+        row.predictor,
+        f"{row.reach:.1f}",
+        str(row.n),
+        f"{row.mean:.3f}",
+        interval(row.low, row.high),
+        f"{row.median:.3f}",
+        "is it" if baseline else f"{row.difference:+.3f}",
+        "" if baseline else interval(row.difference_low, row.difference_high),
+        f"{row.ratio:.3f}",
+        "" if baseline else interval(row.ratio_low, row.ratio_high),
+    )
+
+
+def _about(name: str, paths: ModelPaths) -> str:
+    share = paths.compliant_share
+    judged = "compliance unknown to this model"
+    if share is not None:
+        judged = f"{100 * share:.0f} % of the path points compliant"
+        judged += f", RMSE of these {paths.rmse:.3f} m" if np.isfinite(paths.rmse) else ""
+    return (
+        f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
+        f"stick {paths.stick}"
+    )
