@@ -1,176 +1,140 @@
-"""lfdcore study: experiments with tables, pictures and a report."""
+"""lfdcore study: experiments with tables, pictures and a report. A config's fields are its command's options."""
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import MISSING
+from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
 import typer
+from typer.core import TyperGroup
+from typer.main import get_command
 
-from lfdcore.cli.common import JsonOption, SeedOption, Stages, print_json, progress_bar
-from lfdcore.cli.study_adaptation import study_adaptation
-from lfdcore.cli.study_backwards import study_backwards
-from lfdcore.cli.study_covering import study_covering
-from lfdcore.cli.study_goals import study_goals
-from lfdcore.cli.study_handovers import study_handovers
-from lfdcore.cli.study_joints import study_joints
-from lfdcore.cli.study_learning_curve import study_learning_curve
-from lfdcore.cli.study_passing import study_passing
-from lfdcore.cli.study_sequences import study_sequences
+from lfdcore.cli.common import JsonOption, Stages, print_json, progress_bar
 
 if TYPE_CHECKING:
-    from lfdcore.study.arms import StudyModels
-    from lfdcore.study.driving.study import DrivingResult
-    from lfdcore.study.driving.tasks import TaskResult
-    from lfdcore.study.report.page import Section
+    from lfdcore.study.catalogue import Run
+    from lfdcore.study.study import Option, Study
 
-More = Callable[["StudyModels", Stages], "Sequence[Section]"]
-
-app = typer.Typer(help="Run a study: tables, pictures, one report.html.", no_args_is_help=True)
+OutputOption = Annotated[Path, typer.Option("--output", "-o", help="Folder for the report, its pictures and figures.")]
 
 
-@app.callback()
-def _group() -> None:
-    """Run a study: tables, pictures, one report.html."""
+class StudyGroup(TyperGroup):
+    """Makes a study's command when it is asked for, from its config."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Studies, then what is done with their reports."""
+        from lfdcore.study.catalogue import STUDIES
+
+        return [*STUDIES, *super().list_commands(ctx)]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """None for an unknown name."""
+        from lfdcore.study.catalogue import STUDIES, load_study
+
+        if cmd_name not in STUDIES:
+            return super().get_command(ctx, cmd_name)
+        alone = typer.Typer(add_completion=False)
+        alone.command(cmd_name)(study_command(*load_study(cmd_name)))
+        return get_command(alone)
 
 
-@dataclass(frozen=True)
-class DrivingPlan:
-    """What a driving study is to do."""
-
-    output: Path
-    models: tuple[Path, ...]
-    courses: str
-    arms: str
-    drivers: int
-    starts: int
-    seed: int
-    processes: int | None = None
-
-    def command(self) -> str:
-        """What repeats the study; the folder is left to who does."""
-        words = ["lfdcore", "study", "driving", "-o", "out", "--courses", self.courses, "--assistants", self.arms]
-        words += ["--drivers", str(self.drivers), "--task-starts", str(self.starts), "--seed", str(self.seed)]
-        return shlex.join(words + [word for model in self.models for word in ("--model", str(model))])
+app = typer.Typer(cls=StudyGroup, help="Run a study: tables, pictures, one report.html.", no_args_is_help=True)
 
 
-@dataclass(frozen=True)
-class DrivingOutcome:
-    """What it came to."""
-
-    result: DrivingResult
-    tasks: TaskResult | None
-    report: Path
-
-    def print_tables(self) -> None:
-        """The result in a line, all tables, then the report's path."""
-        from lfdcore.study.driving.tables import driving_tables, headline, task_tables
-        from lfdcore.study.report.table import WIDTH, wrapped
-
-        typer.echo("\n".join(wrapped(headline(self.result), WIDTH)) + "\n")
-        for table in driving_tables(self.result) + (task_tables(self.tasks) if self.tasks else []):
-            typer.echo(table.as_text())
-        typer.echo(f"report: {self.report}")
-
-
-def drive_and_report(plan: DrivingPlan, more: More = lambda models, tell: (), command: str = "") -> DrivingOutcome:
-    """Learns what the arms need and was not given, drives courses and tasks, writes the report.
-
-    `more` makes sections of the models, telling how far it is; `command` is named in the report as what
-    made it, else the plan's own.
-    """
-    from lfdcore.simulated.courses import course_by_name
-    from lfdcore.study.arms import models_by_method, require_arms, require_once
-    from lfdcore.study.driving.report import write_driving_report
-    from lfdcore.study.driving.study import DrivingStudy, run_driving_study
-    from lfdcore.study.driving.tasks import TaskStudy, run_task_study
-
-    given = models_by_method(plan.models)  # refused before anything is driven
-    courses = tuple(course_by_name(name, plan.seed) for name in plan.courses.split(","))
-    arms = tuple(plan.arms.split(","))
-    require_arms(arms)
-    require_once("course", [course.name for course in courses])
-    plan.output.mkdir(parents=True, exist_ok=True)
-    with progress_bar() as bar:
-        tell = Stages(bar)
-        models = _learn_what_is_missing(plan, arms, given, tell)
-        study = DrivingStudy(courses=courses, models=models, arms=arms, drivers=plan.drivers, seed=plan.seed)
-        result = run_driving_study(study, tell.step("drive courses never seen"), plan.processes)
-        tasks = None
-        if plan.starts:
-            task_study = TaskStudy(models=models, arms=arms, starts=plan.starts, seed=plan.seed)
-            tasks = run_task_study(task_study, tell.step("tasks: docking, narrow gap"), plan.processes)
-        sections = more(models, tell)
-        told = tell.step("report")
-        told(0, 1)
-        demonstrations = [] if given.primitives else sorted(plan.output.glob("demonstration-*.mcap"))
-        report = write_driving_report(
-            result,
-            plan.output,
-            sections,
-            demonstrations=demonstrations,
-            tasks=tasks,
-            command=command or plan.command(),
-        )
-        told(1, 1)
-    return DrivingOutcome(result, tasks, report)
-
-
-def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyModels, tell: Stages) -> StudyModels:
-    """The models that the arms need, learned from demonstrations where none was given."""
-    from lfdcore.study.arms import METHODS, StudyModels
-    from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
-
-    needed = {METHODS[arm] for arm in arms if arm in METHODS}
-    primitives, heatmaps = given.primitives, given.heatmaps
-    if primitives is None and "primitives" in needed:
-        primitives = learn_from_demonstrations(plan.output, plan.seed, progress=tell.step("learn primitives"))
-    if heatmaps is None and "heatmaps" in needed:
-        told = tell.under("heatmaps")
-        heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, told, processes=plan.processes)
-    return StudyModels(primitives, heatmaps)
-
-
-@app.command("driving")
-def study_driving(
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the report, its pictures and figures.")],
-    models: Annotated[
-        list[Path] | None,
-        typer.Option("--model", help="A learned model, once a method; what is missing is learned from demonstrations."),
-    ] = None,
-    courses: Annotated[
-        str, typer.Option(help="Comma-separated names of courses or map .yaml files.")
-    ] = "standard_course",
-    arms: Annotated[
-        str,
-        typer.Option(
-            "--assistants", help="Of none, dwa, primitives, heatmaps; dwa_1s, supervisor, thesis, heatmaps_thesis."
-        ),
-    ] = "none,dwa,primitives,heatmaps",
-    drivers: Annotated[int, typer.Option(min=1, help="Simulated impaired drivers.")] = 10,
-    starts: Annotated[int, typer.Option("--task-starts", min=0, help="Starts of each task; 0: no tasks.")] = 20,
-    processes: Annotated[int | None, typer.Option(min=1, help="Default: one a core.")] = None,
-    seed: SeedOption = 1,
+@app.command("compare")
+def compare(
+    first: Annotated[Path, typer.Argument(help="A report.html, its folder or its figures.json.")],
+    second: Annotated[Path, typer.Argument(help="Another run of the same study.")],
     as_json: JsonOption = False,
 ) -> None:
-    """Drivers x courses x assistants: Tables 3.1-3.3 and 4.1 with intervals, tasks, pictures of every course."""
-    plan = DrivingPlan(output, tuple(models or ()), courses, arms, drivers, starts, seed, processes)
-    outcome = drive_and_report(plan)
+    """The figures of two runs of a study side by side, paired where their seeds agree."""
+    from dataclasses import asdict
+
+    from lfdcore.study.compare import compare, comparison_table, read_document
+
+    documents = read_document(first), read_document(second)
     if as_json:
-        print_json({"report": str(outcome.report), "rows": list(outcome.result.rows)})
+        print_json([asdict(one) | {"difference": one.difference, "p": one.p} for one in compare(*documents)])
         return
-    outcome.print_tables()
+    typer.echo(comparison_table(*documents).as_text())
 
 
-app.command("learning-curve")(study_learning_curve)
-app.command("covering")(study_covering)
-app.command("goals")(study_goals)
-app.command("adaptation")(study_adaptation)
-app.command("backwards")(study_backwards)
-app.command("passing")(study_passing)
-app.command("handovers")(study_handovers)
-app.command("sequences")(study_sequences)
-app.command("joints")(study_joints)
+def study_command(config: type[Study], run: Run) -> Callable[..., None]:
+    """What runs a study from the command line: its options are the config's, then --output and --json."""
+
+    def command(**given: Any) -> None:
+        folder, as_json, hints = given.pop("output"), given.pop("as_json"), get_type_hints(config)
+        study = config(**{name: _field(name, hints[name], value) for name, value in given.items()})
+        run_study(study, run, folder, as_json)
+
+    command.__doc__ = config.__doc__
+    signature = _signature(config)
+    command.__signature__ = signature  # type: ignore[attr-defined]
+    command.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+    return command
+
+
+def run_study(study: Study, run: Run, folder: Path, as_json: bool, command: str = "") -> None:
+    """Runs a study with progress, writes its report into `folder` and shows what was found."""
+    from lfdcore.study.report.table import WIDTH, wrapped
+    from lfdcore.study.study import as_document, write_study
+
+    folder.mkdir(parents=True, exist_ok=True)
+    with progress_bar() as bar:
+        findings = run(study, folder, Stages(bar))
+        report = write_study(study, findings, folder, command)
+    if as_json:
+        print_json({"report": str(report)} | as_document(study, findings))
+        return
+    typer.echo("\n".join(wrapped(findings.headline, WIDTH)) + "\n")
+    for table in findings.tables:
+        typer.echo(table.as_text())
+    typer.echo(f"report: {report}")
+
+
+def _signature(config: type[Study]) -> Signature:
+    from lfdcore.study.study import default_of, options
+
+    hints = get_type_hints(config)
+    parameters = [_parameter(name, hints[name], default_of(config, name), one) for name, one in options(config).items()]
+    parameters.append(Parameter("output", Parameter.KEYWORD_ONLY, annotation=OutputOption))
+    parameters.append(Parameter("as_json", Parameter.KEYWORD_ONLY, default=False, annotation=JsonOption))
+    return Signature(parameters)
+
+
+def _parameter(name: str, hint: Any, default: Any, option: Option) -> Parameter:
+    bounds: dict[str, Any] = {"min": option.minimum, "max": option.maximum} if int in (hint, *get_args(hint)) else {}
+    if option.flag == "argument":
+        about: Any = typer.Argument(help=option.help)
+    else:
+        flags = [option.flag] if option.flag else []
+        about = typer.Option(*flags, help=option.help, **bounds)
+    hint, default = _typed(hint, default)
+    given = Parameter.empty if default is MISSING else default
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=given, annotation=Annotated[hint, about])
+
+
+def _typed(hint: Any, default: Any) -> tuple[Any, Any]:
+    """A field's type as it is typed on a command line: several files one by one, other tuples parted by commas."""
+    if hint == tuple[Path, ...]:
+        return list[Path], default if default is MISSING else list(default)
+    if hint in (tuple[str, ...], tuple[int, ...]):
+        return str, default if default is MISSING else ",".join(map(str, default))
+    return hint, default
+
+
+def _field(name: str, hint: Any, typed: Any) -> Any:
+    """The reverse of _typed: what the config holds."""
+    if hint == tuple[Path, ...]:
+        return tuple(typed)
+    if hint == tuple[str, ...]:
+        return tuple(typed.split(","))
+    if hint == tuple[int, ...]:
+        try:
+            return tuple(int(word) for word in typed.split(","))
+        except ValueError as error:
+            raise ValueError(f"{name} are '{typed}', must be whole numbers parted by commas") from error
+    return typed

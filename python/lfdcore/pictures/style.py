@@ -66,3 +66,5 @@ class Picture:
 
     figure: Figure
     caption: str
+    name: str = ""
+    """of a file for it alone, beside the report; empty: none"""

@@ -1,29 +1,29 @@
-"""Runs: a driver in a course with an assistant, tick by tick; studies run many of them over processes.
+"""Runs: a driver in a course with an assistant, tick by tick.
 
-Every arm of a study sees the same seeds: the noise of tick k in the scans, the slip and the driver depends on the
-seed and on k only.
+The noise of tick k in the scans, the slip and the driver depends on the seed and on k only, so that every assistant
+meets the same.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLogWriter
 from lfdcore.datasets.safe_joystick import limits_note
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.simulated.chair import SimulatedChair, Truth
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import Driver
-from lfdcore.simulated.trace import DriveTrace, Plan
-from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
+from lfdcore.simulated.trace import DriveTrace, TraceRecorder
+from lfdcore.simulation import ChairConfig, LidarConfig
 from lfdcore.wheelchair.assistants import Assistant
-from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, drive
+from lfdcore.wheelchair.observation import PERIOD
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,55 +32,14 @@ class RunConfig:
 
     chair: ChairConfig = field(default_factory=ChairConfig)
     lidar: LidarConfig = field(default_factory=LidarConfig)
-    period: float = 0.1
-    """Between ticks [s]: the thesis logs at 10 Hz (Sec. 3.5)."""
+    period: float = PERIOD
+    """[s] between ticks"""
     slowest: float = 0.12
     """Mean speed along the route [m/s] below which a run times out."""
     stuck_after: float = 60.0
     """Time without .5 m of progress [s] after which a run counts as stuck."""
     stuck_progress: float = 0.5
     """[m]"""
-
-
-class _Recorder:
-    """Collects a run's ticks."""
-
-    def __init__(self, start: Pose2) -> None:
-        self.T_map_odom = start  # odometry begins at (0, 0, 0)
-        self.rows: dict[str, list[Any]] = {}
-        self.plans: list[Plan] = []
-
-    def add(self, stamp: float, state: ChairState, entry: dict[str, Any], assistance: Assistance) -> None:
-        row = {
-            "stamp": stamp,
-            "pose": tuple(state.pose),
-            "twist": tuple(state.twist),
-            "in_contact": state.in_contact,
-            "command": tuple(assistance.command),
-            "mode": assistance.mode,
-            "supervised": assistance.supervised,
-            "compliance": assistance.compliance if assistance.path is not None else np.nan,
-            "goal": self._in_map(assistance.goal),
-            "control_point": self._ahead(state.pose, assistance.control_point),
-            **entry,
-        }
-        for name, value in row.items():
-            self.rows.setdefault(name, []).append(value)
-        if assistance.planned and assistance.path is not None:
-            self.plans.append(Plan(stamp, self.T_map_odom.transform(assistance.path)))
-
-    def _in_map(self, point: tuple[float, float] | None) -> tuple[float, float]:
-        return self._ahead(self.T_map_odom, point)
-
-    @staticmethod
-    def _ahead(T_map_frame: Pose2, point: tuple[float, float] | None) -> tuple[float, float]:
-        if point is None:
-            return (np.nan, np.nan)
-        x, y = T_map_frame.transform(np.array([point]))[0]
-        return (float(x), float(y))
-
-    def arrays(self) -> dict[str, Any]:
-        return {name: np.array(values) for name, values in self.rows.items()} | {"plans": tuple(self.plans)}
 
 
 class _Progress:
@@ -119,55 +78,37 @@ def run_drive(
     `destination` the log says so in its metadata and holds the true pose in the map, as a localiser would.
     """
     config = config or RunConfig()
-    world = DrivingWorld(course.grid, config.chair, config.lidar, seed)
-    world.reset(course.start)
-    driver.reset(seed)
-    assistant.reset()
-    recorder = _Recorder(course.start)
-    progress = _Progress(config, course.length)
-    log = None
-    if log_path is not None:
-        about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
-        about |= limits_note(config.chair.limits) | place_note(course)
-        about |= {} if destination is None else {"destination": destination}
-        log = DriveLogWriter(log_path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
-    collision, odometry_twist = False, Twist2()
-    outcome = None
-    tick = 0
-    try:
-        while outcome is None:
-            stamp = tick * config.period
-            scan = world.scan()
-            state = world.state
-            given = driver.act(stamp, state.pose, state.twist, state.in_contact)
-            joystick = (
-                float(np.float32(given.joystick[0])),
-                float(np.float32(given.joystick[1])),
-            )  # as sensor_msgs/Joy
-            observation = Observation(stamp, scan, stamp, world.odometry, odometry_twist, joystick)
-            assistance = assistant.update(observation)
+    chair = SimulatedChair(course, driver, seed, config.chair, config.lidar)
+    recorder, progress, outcome = TraceRecorder(course.start), _Progress(config, course.length), None
+    about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
+    about |= {} if destination is None else {"destination": destination}
+
+    with ExitStack() as stack:
+        log = None if log_path is None else stack.enter_context(_opened(log_path, course, config, about))
+
+        def ended(tick: Tick) -> bool:
+            nonlocal outcome
+            recorder.add(tick, chair.truth)
             if log is not None:
-                _write(log, observation, assistance, given.desired)
-                if destination is not None:
-                    log.map_odom(stamp, state.pose * world.odometry.inverse())
-            entry = {"joystick": joystick, "desired": tuple(given.desired), "collision": collision}
-            recorder.add(stamp, state, entry, assistance)
-            result = world.step(assistance.command, config.period)
-            collision, odometry_twist = result.collision_started, result.odometry_twist
-            outcome = progress.outcome(stamp, driver)
-            tick += 1
-    finally:
-        if log is not None:
-            log.close()
-    return DriveTrace(
-        course=course.name,
-        driver=driver.name,
-        assistant=assistant.name,
-        seed=seed,
-        outcome=outcome,
-        footprint=config.chair.footprint,
-        **recorder.arrays(),
-    )
+                _record_truth(log, tick, chair.truth, in_map=destination is not None)
+            outcome = progress.outcome(tick.stamp, driver)
+            return outcome is not None
+
+        drive(chair, assistant, ended, period=config.period, clock=SimulatedClock(), log=log)
+    names = (course.name, driver.name, assistant.name)
+    return recorder.trace(*names, seed=seed, outcome=str(outcome), footprint=config.chair.footprint)
+
+
+def _opened(path: Path, course: Course, config: RunConfig, about: dict[str, str]) -> DriveLogWriter:
+    about = about | limits_note(config.chair.limits) | place_note(course)
+    return DriveLogWriter(path, name=course.name, T_base_laser=config.lidar.T_base_laser, metadata=about)
+
+
+def _record_truth(log: DriveLogWriter, tick: Tick, truth: Truth, *, in_map: bool) -> None:
+    """What a real chair could not record: what the driver meant, and the pose in the map if asked for."""
+    log.desired(tick.stamp, *truth.desired.tolist())
+    if in_map:
+        log.map_odom(tick.stamp, truth.state.pose * tick.observation.pose.inverse())
 
 
 def place_note(course: Course) -> dict[str, str]:
@@ -177,18 +118,6 @@ def place_note(course: Course) -> dict[str, str]:
     what.update(repr((course.grid.resolution, *course.grid.origin)).encode())
     pose = " ".join(repr(float(value)) for value in course.start)
     return {"place": what.hexdigest()[:16], "T_place_odom": pose}
-
-
-def _write(log: DriveLogWriter, seen: Observation, said: Assistance, desired: NDArray[np.float64]) -> None:
-    log.odometry(seen.stamp, seen.pose, seen.twist)
-    log.scan(seen.scan_stamp, seen.scan)
-    log.joystick(seen.stamp, *seen.joystick)
-    log.desired(seen.stamp, float(desired[0]), float(desired[1]))
-    log.command(seen.stamp, said.command)
-    if said.planned and said.path is not None:
-        log.plan(seen.stamp, said.path)
-    if said.planned and said.goal is not None:
-        log.intention(seen.stamp, said.goal, said.likelihood)
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import Footprint
+from lfdcore.geometry import Footprint, Pose2
+from lfdcore.simulated.chair import Truth
+from lfdcore.wheelchair.drive_loop import Tick
 
 
 @dataclass(frozen=True)
@@ -74,3 +77,49 @@ class DriveTrace:
         """Memory of the arrays [bytes]."""
         arrays = [value for value in vars(self).values() if isinstance(value, np.ndarray)]
         return sum(a.nbytes for a in arrays) + sum(plan.path.nbytes for plan in self.plans)
+
+
+class TraceRecorder:
+    """Collects a run's ticks. start: the chair's first pose in map, where odometry begins at (0, 0, 0)."""
+
+    def __init__(self, start: Pose2) -> None:
+        self._T_map_odom = start
+        self._rows: dict[str, list[Any]] = {}
+        self._plans: list[Plan] = []
+
+    def add(self, tick: Tick, truth: Truth) -> None:
+        """Takes in a tick and what was true at its observation."""
+        answer, state = tick.assistance, truth.state
+        row = {
+            "stamp": tick.stamp,
+            "pose": tuple(state.pose),
+            "twist": tuple(state.twist),
+            "joystick": tick.observation.joystick,
+            "desired": tuple(truth.desired),
+            "command": tuple(answer.command),
+            "in_contact": state.in_contact,
+            "collision": truth.collision,
+            "mode": answer.mode,
+            "supervised": answer.supervised,
+            "compliance": answer.compliance if answer.path is not None else np.nan,
+            "goal": _in_map(self._T_map_odom, answer.goal),
+            "control_point": _in_map(state.pose, answer.control_point),
+        }
+        for name, value in row.items():
+            self._rows.setdefault(name, []).append(value)
+        if answer.planned and answer.path is not None:
+            self._plans.append(Plan(tick.stamp, self._T_map_odom.transform(answer.path)))
+
+    def trace(
+        self, course: str, driver: str, assistant: str, *, seed: int, outcome: str, footprint: Footprint
+    ) -> DriveTrace:
+        """All ticks so far."""
+        rows: dict[str, Any] = {name: np.array(values) for name, values in self._rows.items()}
+        return DriveTrace(course, driver, assistant, seed, outcome, footprint, **rows, plans=tuple(self._plans))
+
+
+def _in_map(T_map_frame: Pose2, point: tuple[float, float] | None) -> tuple[float, float]:
+    if point is None:
+        return (np.nan, np.nan)
+    x, y = T_map_frame.transform(np.array([point]))[0]
+    return (float(x), float(y))

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore import __version__
-from lfdcore.pictures.style import Picture, png
+from lfdcore.pictures.style import Picture
 from lfdcore.simulated.passing import NOVEL, TRAINING
 from lfdcore.study.passing.pictures import demonstrations_figure, distance_figure, observations_figure
-from lfdcore.study.passing.study import ARMS, AXES, GROUPS, Group, PassingExample, PassingResult
+from lfdcore.study.passing.study import (
+    ARMS,
+    AXES,
+    GROUPS,
+    Group,
+    PassingExample,
+    PassingResult,
+    PassingStudy,
+    run_passing_study,
+)
 from lfdcore.study.report.aims import Aim
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.cells import mean_cell
+from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import block_bootstrap_ratio, summarise, summarise_bounded
 from lfdcore.study.report.table import Row, Table
+from lfdcore.study.study import Findings, Progress
 
 Floats = NDArray[np.float64]
 TITLE = "Passing over a rectangle (Sec. 5.5)"
@@ -30,24 +38,7 @@ BOTH, _ = AXES
 # -- figures to reach -----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Claim:
-    """A claim on means over seeds, and what supports it."""
-
-    aim: Aim
-    at: int | None
-    """L where it is nearest to failing; None: it is about fixed ones"""
-    low: float
-    """of the 95 % interval of that ratio, by a bootstrap over seeds"""
-    high: float
-
-    def as_text(self) -> str:
-        """The ratio, whether it was reached, its interval and L."""
-        interval = "" if np.isnan(self.low) else f"\n[{self.low:.2f}, {self.high:.2f}]"
-        return self.aim.as_text() + interval + ("" if self.at is None else f"\nat L = {self.at}")
-
-
-def claims(result: PassingResult, form: str = "") -> list[Claim]:
+def claims(result: PassingResult, form: str = "") -> list[Aim]:
     """The four of ERRATA Part 3 on novel rectangles, of the arms whose names end in `form` (FORMS)."""
     lengths = np.array(result.study.lengths)
     ip, eaip, ip_x, eaip_x = (
@@ -56,11 +47,11 @@ def claims(result: PassingResult, form: str = "") -> list[Claim]:
     few, many = lengths <= 40, lengths >= 100
     begin, end = lengths == 0, lengths == lengths.max()
     return [
-        _worst("1. little is observed (L <= 40): EaIP / IP", 0.0, 0.6, eaip, ip, lengths, few),
+        _worst("1. little is observed (L <= 40): EaIP / IP", -np.inf, 0.6, eaip, ip, lengths, few),
         _worst("2. both axes, L >= 100: IP / EaIP", 0.85, 1.15, ip, eaip, lengths, many),
         _fixed("3. horizontal only: IP at L = 150 / at L = 0", 0.9, np.inf, ip_x[:, end], ip_x[:, begin]),
-        _worst("... EaIP / IP, at every L", 0.0, 0.6, eaip_x, ip_x, lengths, lengths >= 0),
-        _fixed("4. EaIP at L = 0 / at L = 150", 0.0, 1.6, eaip[:, begin], eaip[:, end]),
+        _worst("... EaIP / IP, at every L", -np.inf, 0.6, eaip_x, ip_x, lengths, lengths >= 0),
+        _fixed("4. EaIP at L = 0 / at L = 150", -np.inf, 1.6, eaip[:, begin], eaip[:, end]),
     ]
 
 
@@ -72,29 +63,25 @@ def _worst(
     below: Floats,
     lengths: NDArray[np.int_],
     where: NDArray[np.bool_],
-) -> Claim:
+) -> Aim:
     """Of the lengths chosen, that whose ratio of means is furthest up, or furthest from 1 where it has two bounds."""
     ratios = above.mean(axis=0) / below.mean(axis=0)
-    badness = np.abs(ratios - 1) if least else ratios
+    badness = np.abs(ratios - 1) if np.isfinite(least) else ratios
     k = int(np.argmax(np.where(where, badness, -np.inf)))
-    claim = _fixed(label, least, most, above[:, k], below[:, k])
-    return Claim(claim.aim, int(lengths[k]), claim.low, claim.high)
+    return _fixed(label, least, most, above[:, k], below[:, k], f"at L = {lengths[k]}")
 
 
-def _fixed(label: str, least: float, most: float, above: Floats, below: Floats) -> Claim:
+def _fixed(label: str, least: float, most: float, above: Floats, below: Floats, note: str = "") -> Aim:
     above, below = above.ravel(), below.ravel()
     found = float(above.mean() / below.mean())
     low, high = block_bootstrap_ratio(above[:, None], below, np.arange(len(above)), seed=1)
-    wanted = f">= {least:g}" if np.isinf(most) else f"{least:g} - {most:g}" if least else f"<= {most:g}"
-    return Claim(Aim(label, wanted, found, 2, least <= found <= most), None, float(low[0]), float(high[0]))
+    return Aim.between(least, most, label, found, 2, low=float(low[0]), high=float(high[0]), note=note)
 
 
 def claims_table(result: PassingResult) -> Table:
     """Figures to reach, and the same of the other forms."""
     by_form = [claims(result, form) for form in FORMS]
-    rows = tuple(
-        (of[0].aim.label, of[0].aim.wanted, *(one.as_text() for one in of)) for of in zip(*by_form, strict=True)
-    )
+    rows = tuple((of[0].label, of[0].wanted, *(one.as_text() for one in of)) for of in zip(*by_form, strict=True))
     return Table(
         f"Figures to reach, novel rectangles ({_origin(result)})",
         ("ratio of mean DTW distances", "wanted", *FORMS.values()),
@@ -146,13 +133,9 @@ def _header(result: PassingResult) -> Row:
     return ("", *(f"L = {length}" for length in result.study.lengths))
 
 
-def _means(by_seed: Floats, digits: int = 2) -> list[str]:
+def _means(by_seed: Floats) -> list[str]:
     """A cell a length."""
-    cells = []
-    for s in (summarise(column) for column in by_seed.T):
-        interval = f"\n[{max(s.low, 0):.{digits}f}, {s.high:.{digits}f}]" if s.n > 1 else ""
-        cells.append(f"{s.mean:.{digits}f}{interval}")
-    return cells
+    return [mean_cell(column, 2, with_sd=False) for column in by_seed.T]
 
 
 def _floors(result: PassingResult) -> str:
@@ -239,11 +222,11 @@ def passing_headline(result: PassingResult) -> str:
     """The result in two sentences."""
     ip, eaip = (result.by_seed(result.distance, arm, BOTH, "novel")[:, 0].mean() for arm in ("IP", "EaIP"))
     found = claims(result)
-    missed = "".join(f"; MISSED: {one.aim.label}" for one in found if not one.aim.reached)
+    missed = "".join(f"; MISSED: {one.label}" for one in found if not one.reached)
     return (
         f"Novel rectangles, nothing of the partner seen: DTW distance to demonstrations EaIP {eaip:.1f}, IP {ip:.1f} "
         f"px per sample (two demonstrations: {result.floor_by_seed('novel').mean():.1f}); {_origin(result)}. "
-        f"Figures to reach: {sum(one.aim.reached for one in found)} of {len(found)} reached{missed}."
+        f"Figures to reach: {sum(one.reached for one in found)} of {len(found)} reached{missed}."
     )
 
 
@@ -260,7 +243,7 @@ def figure_rows(result: PassingResult) -> list[dict[str, Any]]:
         s = summarise(result.floor_by_seed(group))
         rows.append({"floor": group, "n": s.n, "distance": s.mean, "low": s.low, "high": s.high})
     for form, title in FORMS.items():
-        rows += [{"form": title, **claim_row(one)} for one in claims(result, form)]
+        rows += [{"form": title, **one.as_row()} for one in claims(result, form)]
     return rows
 
 
@@ -281,47 +264,30 @@ def _row(result: PassingResult, arm: str, seen: str, group: Group, k: int, lengt
     }
 
 
-def claim_row(claim: Claim) -> dict[str, Any]:
-    """A claim for machines."""
-    aim = claim.aim
-    found = {"found": aim.found, "low": claim.low, "high": claim.high, "observed": claim.at, "reached": aim.reached}
-    return {"figure": aim.label, "wanted": aim.wanted, **found}
-
-
-def _pictures(result: PassingResult, example: PassingExample) -> Sequence[tuple[str, Picture]]:
+def _pictures(result: PassingResult, example: PassingExample) -> list[Picture]:
     of_seed = f"Seed {example.seed}."
-    return (
-        (
+    return [
+        Picture(
+            demonstrations_figure(example),
+            f"As Fig. 5.5: demonstrations that are learned from, and motions drawn from p(theta | e). {of_seed}",
             "demonstrations.png",
-            Picture(
-                demonstrations_figure(example),
-                f"As Fig. 5.5: demonstrations that are learned from, and motions drawn from p(theta | e). {of_seed}",
-            ),
         ),
-        (
+        Picture(
+            observations_figure(example),
+            "As Fig. 5.6: EaIP on known and novel (dashed) rectangles after L samples of a person never learned from, "
+            f"{example.samples} samples of the posterior and its mean. {of_seed}",
             "observations.png",
-            Picture(
-                observations_figure(example),
-                "As Fig. 5.6: EaIP on known and novel (dashed) rectangles after L samples of a person never learned "
-                f"from, {example.samples} samples of the posterior and its mean. {of_seed}",
-            ),
         ),
-        (
+        Picture(
+            distance_figure(result),
+            f"As Fig. 5.7: DTW distance to demonstrations by L with 95 % bands over seeds ({_origin(result)}).",
             "distance.png",
-            Picture(
-                distance_figure(result),
-                f"As Fig. 5.7: DTW distance to demonstrations by L with 95 % bands over seeds ({_origin(result)}).",
-            ),
         ),
-    )
+    ]
 
 
-def write_passing(result: PassingResult, example: PassingExample, folder: Path, command: str = "") -> Path:
-    """Pictures, figures.json and report.html in `folder` -> the report's path. The same result, the same bytes."""
-    pictures = _pictures(result, example)
-    for name, picture in pictures:
-        (folder / name).write_bytes(png(picture.figure))
-    write_figures(folder / "figures.json", figure_rows(result))
+def findings(result: PassingResult, example: PassingExample) -> Findings:
+    """Everything that is shown."""
     text = (
         "A person moves a cursor over a rectangle; a robot that has seen others do so completes the motion. All of it "
         "is simulated by a stated generator (simulated/passing.py); the thesis had people at a mouse. Interaction "
@@ -329,6 +295,16 @@ def write_passing(result: PassingResult, example: PassingExample, folder: Path, 
         "from the cursor alone, EaIP from cursor and the rectangle's width and height, by the same code, each with the "
         "noise that cross-validation on its training demonstrations chose."
     )
-    section = Section(TITLE, text, passing_tables(result), [picture for _, picture in pictures])
-    origin = f"lfdcore {__version__}." + (f" Made by: `{command}`" if command else "")
-    return write_report(folder / "report.html", f"lfdcore: {TITLE}", [section], passing_headline(result), origin)
+    return Findings(
+        headline=passing_headline(result),
+        sections=[Section(TITLE, text, passing_tables(result), _pictures(result, example))],
+        rows=figure_rows(result),
+        keys=("arm", "seen", "rectangles", "observed", "floor", "form", "figure"),
+        aims=claims(result),
+    )
+
+
+def run(study: PassingStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study passing."""
+    result = run_passing_study(study, tell)
+    return findings(result, PassingExample.of(study))

@@ -8,10 +8,9 @@ Beside it: the distance to what that very person did, and whether the path passe
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +32,7 @@ from lfdcore.simulated.passing import (
     passing_verdict,
 )
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Seed, Study, silent
 from lfdcore.training.collaborations import learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -74,20 +74,21 @@ ARMS = _arms()
 
 
 @dataclass(frozen=True, kw_only=True)
-class PassingStudy:
-    """What is run: `seeds` seeds from `seed` on, `demonstrations` of each rectangle to learn from and as many to judge
-    by, each seen for its first `lengths` samples, none and all among them. ValueError for what is out of its bounds."""
+class PassingStudy(Study):
+    """Passing over rectangles, known and novel, after a glimpse of the partner: Fig. 5.5-5.7, IP beside EaIP."""
 
-    seeds: int = 10
-    seed: int = SEED
-    demonstrations: int = DEMONSTRATIONS
+    name = "passing"
+    title = "passing over a rectangle (Sec. 5.5)"
+
+    seeds: Annotated[int, Option("Repetitions with demonstrations of their own, from --seed on.", minimum=1)] = 10
+    demonstrations: Annotated[int, Option("Of each rectangle, to learn from and as many to judge by.", minimum=2)] = (
+        DEMONSTRATIONS
+    )
     lengths: tuple[int, ...] = LENGTHS
+    seed: Seed = SEED
 
     def __post_init__(self) -> None:
-        if self.seeds < 1 or self.seed < 0:
-            raise ValueError(f"seeds must be >= 1 and seed >= 0, got {self.seeds} and {self.seed}")
-        if self.demonstrations < 2:
-            raise ValueError(f"demonstrations is {self.demonstrations}, must be at least 2")
+        super().__post_init__()
         if list(self.lengths) != sorted(set(self.lengths)) or self.lengths[:1] + self.lengths[-1:] != (0, STEPS):
             raise ValueError(f"lengths are {self.lengths}, must increase from 0 to {STEPS} samples")
 
@@ -123,13 +124,10 @@ def _rectangles(group: Group) -> slice:
     return slice(0, len(TRAINING)) if group == "known" else slice(len(TRAINING), None)
 
 
-def run_passing_study(
-    study: PassingStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> PassingResult:
-    """Learns and judges, a seed a job, told of as (done, total). The same study gives the same result, whatever the
-    number of processes."""
+def run_passing_study(study: PassingStudy, tell: Progress = silent) -> PassingResult:
+    """Learns and judges, a seed a job. The same study gives the same result, whatever the number of processes."""
     jobs = [_Job(study, seed) for seed in range(study.seed, study.seed + study.seeds)]
-    runs = run_jobs(jobs, progress, processes)
+    runs = run_jobs(jobs, partial(tell, "learn and judge, by seed"), study.processes)
     distance, own, passed = (np.stack(values) for values in zip(*(run.judged for run in runs), strict=True))
     floor, factor = np.stack([run.floor for run in runs]), np.stack([run.factor for run in runs])
     return PassingResult(study, distance, own, passed.astype(bool), floor, factor)

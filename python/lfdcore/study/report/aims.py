@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, nan
+from typing import Any, Self
 
-import numpy as np
+from lfdcore.study.report.cells import figure_cell
 
 
 @dataclass(frozen=True)
@@ -16,11 +18,36 @@ class Aim:
     found: float
     digits: int
     reached: bool
-    pairs: int | None = None
-    """of a ratio: the pairs it is over, where those are fewer than the drivers"""
+    low: float = nan
+    """of the figure's 95 % interval; NaN: none is shown"""
+    high: float = nan
+    note: str = ""
+    """shown below, e.g. how many pairs a ratio is over"""
+
+    @classmethod
+    def at_least(cls, bound: float, label: str, found: float, digits: int, **more: Any) -> Self:
+        """Reached from `bound` on; more: low, high, note."""
+        return cls.between(bound, inf, label, found, digits, **more)
+
+    @classmethod
+    def at_most(cls, bound: float, label: str, found: float, digits: int, **more: Any) -> Self:
+        """Reached up to `bound`; more: low, high, note."""
+        return cls.between(-inf, bound, label, found, digits, **more)
+
+    @classmethod
+    def between(cls, least: float, most: float, label: str, found: float, digits: int, **more: Any) -> Self:
+        """Reached from `least` to `most`, of which one may be infinite; more: low, high, note."""
+        bounds = f"{least:g} - {most:g}" if least < most else f"{least:g}"
+        wanted = f"<= {most:g}" if least == -inf else f">= {least:g}" if most == inf else bounds
+        return cls(label, wanted, found, digits, bool(least <= found <= most), **more)
 
     def as_text(self) -> str:
-        """The figure, and below it whether it was reached."""
-        found = "-" if np.isnan(self.found) else f"{self.found:.{self.digits}f}"
-        said = f"{found}\n{'reached' if self.reached else 'MISSED'}"
-        return said if self.pairs is None else f"{said}\nn {self.pairs}"
+        """The figure, and below it whether it was reached, its interval and the note."""
+        figure, *interval = figure_cell(self.found, self.low, self.high, digits=self.digits).split("\n")
+        lines = [figure, "reached" if self.reached else "MISSED", *interval, self.note]
+        return "\n".join(line for line in lines if line)
+
+    def as_row(self) -> dict[str, object]:
+        """For machines."""
+        figure = {"figure": self.label, "wanted": self.wanted, "found": self.found}
+        return figure | {"low": self.low, "high": self.high, "reached": self.reached, "note": self.note}

@@ -1,27 +1,36 @@
-"""How a figure is written in a table: mean with interval, k of n, p."""
+"""How a figure is written in a table: one way each for a figure with its interval, a mean, k of n, and p."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan, nan
 
-import numpy as np
+from lfdcore.study.report.statistics import Summary, proportion, summarise, summarise_bounded
 
-from lfdcore.study.report.statistics import (
-    proportion,
-    summarise,
-    summarise_bounded,
-)
+NONE = "-"
+"""a figure that there is none of"""
 
 
-def mean_cell(values: Sequence[float], digits: int, bounded: bool = False) -> str:
-    """mean+-sd, and below it the 95 % interval of the mean; '-' if there is no value."""
-    s = summarise_bounded(values) if bounded else summarise(values)
-    if s.n == 0:
-        return "-"
-    if s.n == 1:
-        return f"{s.mean:.{digits}f}"
-    less = f"\nn {s.n}" if s.missing else ""
-    return f"{s.mean:.{digits}f}+-{s.sd:.{digits}f}\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]{less}"
+def figure_cell(value: float, low: float = nan, high: float = nan, *, digits: int, sd: float = nan) -> str:
+    """The figure (+-sd, if there is one), and below it its interval [low, high], if there is one; '-' for NaN."""
+    if isnan(value):
+        return NONE
+    spread = "" if isnan(sd) else f"+-{sd:.{digits}f}"
+    interval = "" if isnan(low) else f"\n[{low:.{digits}f}, {high:.{digits}f}]"
+    return f"{value:.{digits}f}{spread}{interval}"
+
+
+def summary_cell(s: Summary, digits: int, *, with_sd: bool = True, least: float = -float("inf")) -> str:
+    """A mean with its sd and the 95 % interval, cut at `least`; how many values there were, where some are missing."""
+    low = nan if isnan(s.low) else max(s.low, least)
+    cell = figure_cell(s.mean, low, s.high, digits=digits, sd=s.sd if with_sd else nan)
+    return cell + (f"\nn {s.n}" if s.missing and s.n > 1 else "")
+
+
+def mean_cell(values: Sequence[float], digits: int, bounded: bool = False, *, with_sd: bool = True) -> str:
+    """mean+-sd of what cannot be negative, and below it the 95 % interval of the mean; bounded: a count or a share,
+    whose interval is a bootstrap's."""
+    return summary_cell(summarise_bounded(values) if bounded else summarise(values), digits, with_sd=with_sd, least=0.0)
 
 
 def share_cell(successes: int, n: int) -> str:
@@ -31,4 +40,5 @@ def share_cell(successes: int, n: int) -> str:
 
 
 def p_cell(p: float) -> str:
-    return "-" if np.isnan(p) else "<0.001" if p < 0.001 else f"{p:.3f}"
+    """A p value; '-' for NaN."""
+    return NONE if isnan(p) else "<0.001" if p < 0.001 else f"{p:.3f}"

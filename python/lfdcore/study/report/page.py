@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -97,14 +95,3 @@ def write_report(path: Path, title: str, sections: Sequence[Section], lead: str 
         encoding="utf-8",
     )
     return path
-
-
-def write_figures(path: Path, rows: Sequence[dict[str, object]]) -> Path:
-    """Writes all figures of all runs as JSON -> its path. What is not a finite number becomes null."""
-    plain = [{name: _plain(value) for name, value in row.items()} for row in rows]
-    path.write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    return path
-
-
-def _plain(value: object) -> object:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

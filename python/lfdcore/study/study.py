@@ -1,0 +1,187 @@
+"""What every study is: a config whose fields are its command's options, a run, and one way to show what was found.
+
+A study is told to people (headline and tables), to machines (one JSON document with the same keys for all) and as
+report.html with its version, its seed and the command that repeats it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, get_args, get_type_hints
+
+from lfdcore import __version__
+from lfdcore.pictures.style import Picture, png
+from lfdcore.study.report.aims import Aim
+from lfdcore.study.report.page import Section, write_report
+from lfdcore.study.report.table import Table
+
+Progress = Callable[[str, int, int], None]
+"""Reports (stage, done, total)."""
+
+
+def silent(stage: str, done: int, total: int) -> None:
+    """Reports to nobody."""
+
+
+Row = Mapping[str, object]
+FIGURES, REPORT = "figures.json", "report.html"
+
+
+@dataclass(frozen=True)
+class Option:
+    """Makes a config's field an option of the study's command; `Annotated[int, Option("...")]`."""
+
+    help: str
+    minimum: int | None = None
+    maximum: int | None = None
+    flag: str = ""
+    """as typed, where it is not the field's name: '--map', '--full/--sparse'; 'argument': by position, not by name"""
+    repeated: bool = True
+    """whether the command that repeats a study names it"""
+
+
+Seed = Annotated[int, Option("The same seed gives the same bytes.", minimum=0, maximum=2**32 - 1)]
+Processes = Annotated[int | None, Option("Default: one a core.", minimum=1, repeated=False)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Base of all configs. A field without an Option is for Python alone.
+
+    ValueError, as every config, for a number outside its option's bounds.
+    """
+
+    name: ClassVar[str]
+    """of the command: lfdcore study NAME"""
+    title: ClassVar[str]
+    """of the report"""
+
+    seed: Seed = 1
+    processes: Processes = None
+
+    def __post_init__(self) -> None:
+        for name, option in options(type(self)).items():
+            _require_inside(name, getattr(self, name), option)
+
+    def command(self) -> str:
+        """What repeats the study. The folders of its input and output are left to who repeats it."""
+        words, given = ["lfdcore", "study", self.name], options(type(self))
+        for name, option in given.items():
+            if option.flag == "argument":
+                words += _file_names(getattr(self, name))
+        words += ["-o", "out"]
+        for name, option in given.items():
+            if option.repeated and option.flag != "argument":
+                words += _words(name, option, getattr(self, name))
+        return shlex.join(words)
+
+
+def options(study: type[Study]) -> dict[str, Option]:
+    """Of a config's fields those that are options, in their order, `seed` and `processes` last."""
+    hints = get_type_hints(study, include_extras=True)
+    said = {one.name: get_args(hints[one.name])[1:] for one in fields(study)}
+    found = {name: option for name, about in said.items() for option in about if isinstance(option, Option)}
+    last = ("processes", "seed")
+    return {name: found[name] for name in [*(n for n in found if n not in last), *last] if name in found}
+
+
+def default_of(study: type[Study], name: str) -> Any:
+    """What a field is where nothing is given; MISSING where it must be."""
+    one: Field[Any] = next(one for one in fields(study) if one.name == name)
+    return one.default_factory() if one.default_factory is not MISSING else one.default
+
+
+def _require_inside(name: str, value: object, option: Option) -> None:
+    if not isinstance(value, int) or isinstance(value, bool):
+        return
+    if option.minimum is not None and value < option.minimum:
+        raise ValueError(f"{name} is {value}, must be at least {option.minimum}")
+    if option.maximum is not None and value > option.maximum:
+        raise ValueError(f"{name} is {value}, must be at most {option.maximum}")
+
+
+def _words(name: str, option: Option, value: Any) -> list[str]:
+    flag = option.flag or "--" + name.replace("_", "-")
+    if isinstance(value, bool):
+        on, _, off = flag.partition("/")
+        return [on if value else off] if value or off else []
+    if value is None:
+        return []
+    several = value if isinstance(value, tuple) and value and isinstance(value[0], Path) else [value]
+    return [word for one in several for word in (flag, _written(one))]
+
+
+def _written(value: Any) -> str:
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _file_names(paths: Any) -> list[str]:
+    several = [paths] if isinstance(paths, Path) else paths
+    return [Path(one).name for one in several]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """What a study found."""
+
+    headline: str
+    """the result in a sentence or two"""
+    sections: Sequence[Section]
+    """of the report: text, tables and pictures"""
+    rows: Sequence[Row]
+    """all figures for machines, a row what they are about"""
+    keys: tuple[str, ...] = ()
+    """columns of rows that say what a row is about, `seed` among them where it is about one repetition"""
+    aims: Sequence[Aim] = ()
+    """figures to reach"""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """what is written beside the report, but for named pictures"""
+
+    @property
+    def tables(self) -> list[Table]:
+        """Of all sections."""
+        return [table for section in self.sections for table in section.tables]
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """Of all sections."""
+        return [picture for section in self.sections for picture in section.pictures]
+
+
+def as_document(study: Study, findings: Findings) -> dict[str, Any]:
+    """For machines: the same keys for every study, in JSON values; what is not finite is None."""
+    return {
+        "study": study.name,
+        "lfdcore": __version__,
+        "command": study.command(),
+        "seed": study.seed,
+        "headline": findings.headline,
+        "aims": [_plain(aim.as_row()) for aim in findings.aims],
+        "keys": list(findings.keys),
+        "rows": [_plain(row) for row in findings.rows],
+    }
+
+
+def _plain(row: Row) -> Row:
+    """What is not a finite number becomes None: JSON has no NaN."""
+    return {name: None if isinstance(v, float) and not math.isfinite(v) else v for name, v in row.items()}
+
+
+def write_study(study: Study, findings: Findings, folder: Path, command: str = "") -> Path:
+    """Writes report.html, figures.json and named pictures into `folder` -> the report's path. The same findings give
+    the same bytes. `command` stands in the report as what made it, else the study's own."""
+    document = as_document(study, findings) | ({"command": command} if command else {})
+    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+    (folder / FIGURES).write_text(text, encoding="utf-8")
+    for picture in findings.pictures:
+        if picture.name:
+            (folder / picture.name).write_bytes(png(picture.figure))
+    for name, data in findings.files.items():
+        (folder / name).write_bytes(data)
+    origin = f"lfdcore {__version__}, seed {study.seed}. Made by: `{document['command']}`"
+    return write_report(folder / REPORT, f"lfdcore: {study.title}", findings.sections, findings.headline, origin)
