@@ -103,8 +103,8 @@ def comparison_table(first: dict[str, Any], second: dict[str, Any]) -> Table:
         ("", "first", "second", "second - first", "p"),
         tuple(_row(one) for one in shown),
         f"First: `{first['command']}`; second: `{second['command']}`. {len(every) - len(shown)} of {len(every)} "
-        "figures are equal and not shown. Means+-sd over seeds; differences with the 95 % interval and p (Wilcoxon's signed "
-        "rank) over the seeds that both have.",
+        "figures are equal and not shown. Means+-sd over seeds; differences with the 95 % interval and p "
+        "(Wilcoxon's signed rank) over the seeds that both have.",
     )
 
 
