@@ -23,6 +23,7 @@ check: $(VENV)/.installed-test
 	$(BIN)/ruff format --check $(LINTED)
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	$(BIN)/mypy
+	$(BIN)/python tools/make_architecture.py --check
 
 format: $(VENV)/.installed-test
 	$(BIN)/ruff check --fix $(LINTED)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,10 +12,11 @@ import typer
 from lfdcore.cli.common import SeedOption
 
 if TYPE_CHECKING:
-    from lfdcore.cli.common import Stages
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.study.arms import StudyModels
+    from lfdcore.study.driving.study import DrivingStudy
     from lfdcore.study.report.page import Section
+    from lfdcore.study.study import Findings, Progress
     from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 FREIBURG = Path("logs/freiburg-079-corrected.log.gz")
@@ -34,28 +35,37 @@ def demo(
     seed: SeedOption = 1,
 ) -> None:
     """Demonstrations in simulated places -> learned assistants -> a course never seen, with and without them."""
-    from lfdcore.cli.study import DrivingPlan, drive_and_report
+    from lfdcore.cli.study import run_study
+    from lfdcore.study.driving.study import DrivingStudy
 
-    plan = DrivingPlan(output, (), "standard_course", "none,dwa,primitives,heatmaps", drivers, starts, seed)
+    study = DrivingStudy(drivers=drivers, starts=starts, seed=seed)
     command = f"lfdcore demo --drivers {drivers} --task-starts {starts} --seed {seed}"
-    drive_and_report(plan, partial(_sections, output, seed), command).print_tables()
+    run_study(study, _run, output, as_json=False, command=command)
 
 
-def _sections(output: Path, seed: int, study: StudyModels, tell: Stages) -> list[Section]:
-    """Heatmaps a posteriori (Sec. 4.6.2), and a prediction along a real log."""
-    return [*_a_posteriori(output, seed, study, tell), *_real_section(study)]
+def _run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
+    """The driving study, then heatmaps a posteriori (Sec. 4.6.2) and a prediction along a real log."""
+    from lfdcore.study.driving.report import findings
+    from lfdcore.study.driving.study import run_driving_study
+
+    result = run_driving_study(study, folder, tell)
+    models = result.courses.plan.models
+    more = [*_a_posteriori(folder, study.seed, models, tell), *_real_section(models)]
+    found = findings(result)
+    return replace(found, sections=[*found.sections, *more])
 
 
-def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> list[Section]:
+def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Progress) -> list[Section]:
     """Table 4.2 and the stages of heatmaps: every method learns from the same drives through the mazes."""
     from lfdcore.datasets import open_log
     from lfdcore.study.heatmaps.comparison import ModelFiles, learn_rivals
     from lfdcore.study.heatmaps.report import a_posteriori_sections
+    from lfdcore.study.study import under
 
     if study.heatmaps is None:
         return []
     mazes = sorted(output.glob("maze-*.mcap"))
-    told = tell.under("a posteriori")
+    told = under("a posteriori", tell)
     primitives, naive = learn_rivals(output, [open_log(path) for path in mazes], told)
     return a_posteriori_sections(output, ModelFiles(primitives, naive, study.heatmaps), mazes, seed, told)
 
@@ -63,9 +73,9 @@ def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> 
 def _real_section(study: StudyModels) -> list[Section]:
     """A prediction along a real log, if there is one at hand."""
     from lfdcore.pictures.style import Picture
-    from lfdcore.study.driving.tables import prediction_table
     from lfdcore.study.prediction.picture import prediction_figure
     from lfdcore.study.prediction.study import predict_log
+    from lfdcore.study.prediction.tables import prediction_table
     from lfdcore.study.report.page import Section
     from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 

@@ -28,6 +28,11 @@ def silent(stage: str, done: int, total: int) -> None:
     """Reports to nobody."""
 
 
+def under(title: str, tell: Progress) -> Progress:
+    """As `tell`, each stage named after `title`."""
+    return lambda stage, done, total: tell(f"{title}: {stage}", done, total)
+
+
 Row = Mapping[str, object]
 FIGURES, REPORT = "figures.json", "report.html"
 
@@ -110,7 +115,7 @@ def _words(name: str, option: Option, value: Any) -> list[str]:
     if isinstance(value, bool):
         on, _, off = flag.partition("/")
         return [on if value else off] if value or off else []
-    if value is None:
+    if value is None or value == ():
         return []
     several = value if isinstance(value, tuple) and value and isinstance(value[0], Path) else [value]
     return [word for one in several for word in (flag, _written(one))]

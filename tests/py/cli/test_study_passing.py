@@ -13,8 +13,8 @@ def test_study_passing_writes_the_same_bytes_again_and_says_its_claims(tmp_path:
     said = json.loads(out)
     assert code == 0, err
     assert Path(said["report"]) == first / "report.html"
-    assert [claim["wanted"] for claim in said["claims"]] == ["<= 0.6", "0.85 - 1.15", ">= 0.9", "<= 0.6", "<= 1.6"]
-    assert "lfdcore study passing -o out --seeds 2 --seed 100 --demonstrations 3" in (first / "report.html").read_text()
+    assert [aim["wanted"] for aim in said["aims"]] == ["<= 0.6", "0.85 - 1.15", ">= 0.9", "<= 0.6", "<= 1.6"]
+    assert "lfdcore study passing -o out --seeds 2 --demonstrations 3 --seed 100" in (first / "report.html").read_text()
     code, out, err = run(monkeypatch, capsys, *words, "-o", second, "--processes", 2)
     assert code == 0, err
     assert "Figures to reach, novel rectangles (n = 2 seeds, 100..101)" in out

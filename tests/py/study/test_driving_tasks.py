@@ -13,7 +13,7 @@ from lfdcore.simulated.drivers import ImpairedConfig
 from lfdcore.simulated.run import run_drive
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels
-from lfdcore.study.driving.tasks import DOCKING_SPEED, TaskDriver, TaskStudy, run_task_study, task_row
+from lfdcore.study.driving.tasks import DOCKING_SPEED, TaskDriver, TaskPlan, run_task_plan, task_row
 from lfdcore.wheelchair.assistants import Unassisted
 
 
@@ -76,8 +76,8 @@ def test_a_chair_that_stands_while_forward_is_asked_is_stuck(trace: DriveTrace) 
 
 
 def test_every_arm_meets_the_same_starts_and_the_result_does_not_depend_on_processes(tmp_path: Path) -> None:
-    study = TaskStudy(models=StudyModels(), tasks=("narrow_gap",), arms=("none", "dwa"), starts=2)
-    one, two = (partial(run_task_study, study)(processes=n) for n in (1, 2))
+    study = TaskPlan(models=StudyModels(), tasks=("narrow_gap",), arms=("none", "dwa"), starts=2)
+    one, two = (partial(run_task_plan, study)(processes=n) for n in (1, 2))
     assert one.rows == two.rows
     assert [row["seed"] for row in one.rows] == [1, 1, 2, 2]
     starts = [tuple(trace.pose[0]) for trace in one.traces]

@@ -32,8 +32,10 @@ from lfdcore.simulated.drivers import ExpertDriver, ImpairedDriver
 from lfdcore.simulated.run import run_drive
 from lfdcore.simulated.trace import DriveTrace, Plan
 from lfdcore.study.arms import StudyModels
-from lfdcore.study.driving.report import write_driving_report
-from lfdcore.study.driving.study import DrivingResult, DrivingStudy
+from lfdcore.study.driving.plan import DrivingPlan
+from lfdcore.study.driving.report import findings
+from lfdcore.study.driving.study import DrivingStudy, WholeResult
+from lfdcore.study.study import write_study
 from lfdcore.training.drive_primitives import learn_drive
 from lfdcore.wheelchair.assistants import DynamicWindowAssistant, Unassisted
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
@@ -268,7 +270,7 @@ def test_demonstrations_start_where_their_course_does(log: DriveLog) -> None:
 def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     model: DriveAssistantModel, log: DriveLog, tmp_path: Path
 ) -> None:
-    from lfdcore.study.driving.study import run_driving_study
+    from lfdcore.study.driving.plan import run_driving_plan
 
     model.save(tmp_path / "m.safetensors")
     path = tmp_path / "demonstration.mcap"
@@ -276,15 +278,15 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
     short = replace(doorway_and_docking(3).course, name="short")
     arms = ("none", "primitives")
-    study = DrivingStudy(courses=(short,), models=StudyModels(tmp_path / "m.safetensors"), arms=arms, drivers=2)
-    found: DrivingResult = run_driving_study(study, processes=1)
+    study = DrivingPlan(courses=(short,), models=StudyModels(tmp_path / "m.safetensors"), arms=arms, drivers=2)
+    result = WholeResult(run_driving_plan(study, processes=1), None, (path,))
     command = "lfdcore study driving"
-    report = write_driving_report(found, tmp_path, demonstrations=[path], command=command)
+    report = write_study(DrivingStudy(), findings(result), tmp_path, command)
     first = report.read_bytes()
-    assert b"Made by: <code>lfdcore study driving</code>" in first
-    assert f"lfdcore {__version__}, seed 1; 4 runs".encode() in first
+    assert f"lfdcore {__version__}, seed 1. Made by: <code>lfdcore study driving</code>".encode() in first
+    assert b"4 runs" in first
     for text in (b"Driving metrics, short", b"Figures to reach", b"As Fig. 3.14", b"As Fig. 3.12", b"As Fig. 3.7"):
         assert text in first
     assert len(first) < 6e6
-    again = write_driving_report(found, tmp_path, demonstrations=[path], command=command)
+    again = write_study(DrivingStudy(), findings(result), tmp_path, command)
     assert again.read_bytes() == first

@@ -1,16 +1,14 @@
 """report.html: needs nothing else, the same bytes for the same input, and cannot be broken by what it shows."""
 
 import base64
-import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-import pytest
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.style import Picture
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.page import Section, write_report
 from lfdcore.study.report.table import Table
 
 
@@ -89,13 +87,3 @@ def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
     tags = Tags()
     tags.feed(written(tmp_path, sections()))
     assert tags.open == []
-
-
-def test_figures_are_strict_json_with_null_where_there_is_no_number(tmp_path: Path) -> None:
-    path = write_figures(tmp_path / "figures.json", [{"time": float("nan"), "n": 3, "done": True, "arm": "dwa"}])
-
-    def refuse(constant: str) -> None:
-        pytest.fail(f"{constant} is no JSON")
-
-    rows = json.loads(path.read_text(), parse_constant=refuse)
-    assert rows == [{"time": None, "n": 3, "done": True, "arm": "dwa"}]

@@ -17,7 +17,7 @@ from lfdcore.simulated.trace import DriveTrace
 from lfdcore.simulation import LidarConfig
 from lfdcore.study.arms import ARMS, FOOTNOTE_ARMS, StudyModels, make_assistant
 from lfdcore.study.demonstrations import demonstrate
-from lfdcore.study.driving.study import DrivingStudy, run_driving_study
+from lfdcore.study.driving.plan import DrivingPlan, run_driving_plan
 from lfdcore.study.jobs import _interrupt_deferred, run_jobs
 from lfdcore.wheelchair.assistants import STOP, Unassisted
 from lfdcore.wheelchair.observation import Assistance, Observation
@@ -66,9 +66,9 @@ def assert_same_bytes(a: DriveTrace, b: DriveTrace) -> None:
 
 
 @pytest.fixture(scope="module")
-def study(home_model: Path) -> DrivingStudy:
+def study(home_model: Path) -> DrivingPlan:
     course = flat()
-    return DrivingStudy(
+    return DrivingPlan(
         courses=(course,),
         models=StudyModels(home_model),
         arms=("none", "dwa", "primitives"),
@@ -78,8 +78,8 @@ def study(home_model: Path) -> DrivingStudy:
     )
 
 
-def test_a_study_gives_the_same_bytes_with_one_process_and_with_two(study: DrivingStudy) -> None:
-    one, two = (run_driving_study(study, processes=count) for count in (1, 2))
+def test_a_study_gives_the_same_bytes_with_one_process_and_with_two(study: DrivingPlan) -> None:
+    one, two = (run_driving_plan(study, processes=count) for count in (1, 2))
     assert len(one.traces) == len(two.traces) == 6
     for a, b in zip(one.traces, two.traces, strict=True):
         assert_same_bytes(a, b)
@@ -87,7 +87,7 @@ def test_a_study_gives_the_same_bytes_with_one_process_and_with_two(study: Drivi
     assert any(trace.plans for trace in one.traces)
 
 
-def test_a_used_assistant_and_driver_drive_as_fresh_ones(study: DrivingStudy) -> None:
+def test_a_used_assistant_and_driver_drive_as_fresh_ones(study: DrivingPlan) -> None:
     course, run = study.courses[0], study.run
     driver, assistant = ImpairedDriver(course), make_assistant("primitives", study.models, run)
     first, again = (run_drive(course, driver, assistant, 5, run) for _ in range(2))
@@ -95,7 +95,7 @@ def test_a_used_assistant_and_driver_drive_as_fresh_ones(study: DrivingStudy) ->
     assert first.pose.tobytes() != run_drive(course, driver, assistant, 6, run).pose.tobytes()
 
 
-def test_every_arm_and_driver_number_has_its_seed_and_order(study: DrivingStudy) -> None:
+def test_every_arm_and_driver_number_has_its_seed_and_order(study: DrivingPlan) -> None:
     jobs = study.jobs()
     assert [job.seed for job in jobs] == [5, 5, 5, 6, 6, 6]
     assert [job.make_assistant().name for job in jobs] == ["none", "dwa", "primitives"] * 2
@@ -142,8 +142,8 @@ def test_a_driver_who_does_not_get_on_is_stuck_and_one_too_slow_times_out() -> N
     assert slow.stamp[-1] == pytest.approx(8.1, abs=0.11)
 
 
-def test_failures_stay_in_a_studys_rows(study: DrivingStudy) -> None:
-    result = run_driving_study(study, processes=1)
+def test_failures_stay_in_a_studys_rows(study: DrivingPlan) -> None:
+    result = run_driving_plan(study, processes=1)
     assert [row["outcome"] for row in result.rows] == ["time_out"] * 6
     assert len(result.column(None, "none", "collisions")) == 2
     assert result.nbytes == sum(trace.nbytes for trace in result.traces) < 6 * 100_000

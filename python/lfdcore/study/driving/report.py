@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from lfdcore import __version__
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.pictures.course import course_figure, demonstrations_figure
@@ -14,10 +13,25 @@ from lfdcore.pictures.path_stages import stage_figures
 from lfdcore.pictures.style import Picture
 from lfdcore.simulated.courses import Course, training_courses
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.driving.study import DrivingResult
-from lfdcore.study.driving.tables import REAL_COURSE, course_labels, driving_tables, headline, task_tables
+from lfdcore.study.driving.aims import (
+    MOST_JERK,
+    aims_table,
+    all_aims,
+    headline,
+)
+from lfdcore.study.driving.plan import DrivingResult
+from lfdcore.study.driving.study import DrivingStudy, WholeResult, run_driving_study
+from lfdcore.study.driving.tables import (
+    REAL_COURSE,
+    _driving_table,
+    _framework_table,
+    course_labels,
+)
+from lfdcore.study.driving.task_tables import task_tables
 from lfdcore.study.driving.tasks import TASK_GOALS, TASK_NAMES, TaskResult
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.page import Section
+from lfdcore.study.report.table import Table
+from lfdcore.study.study import Findings, Progress
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 INTRODUCTION = (
@@ -42,14 +56,14 @@ def _run_picture(number: str, name: str, course: Course, traces: Sequence[DriveT
 
 def course_pictures(result: DrivingResult) -> list[Picture]:
     """For each course the runs of the driver with the median number of contacts in the first arm."""
-    pictures, labels = [], course_labels(result.study.courses)
-    for course in result.study.courses:
+    pictures, labels = [], course_labels(result.plan.courses)
+    for course in result.plan.courses:
         runs = [trace for trace in result.traces if trace.course == course.name]
-        first = sorted((int(t.collision.sum()), t.seed) for t in runs if t.assistant == result.study.arms[0])
+        first = sorted((int(t.collision.sum()), t.seed) for t in runs if t.assistant == result.plan.arms[0])
         seed = first[len(first) // 2][1]
         chosen = [trace for trace in runs if trace.seed == seed]
         number = "Fig. 3.18" if course.name == REAL_COURSE else "Fig. 3.14-3.15"
-        made = _run_picture(number, labels[course.name], course, chosen, result.study.drivers)
+        made = _run_picture(number, labels[course.name], course, chosen, result.plan.drivers)
         rule = "Shown is the driver with the median number of contacts in the first panel."
         pictures.append(replace(made, caption=f"{made.caption} {rule}"))
     return pictures
@@ -58,8 +72,8 @@ def course_pictures(result: DrivingResult) -> list[Picture]:
 def task_pictures(result: TaskResult) -> list[Picture]:
     """Of each task the first start at which the arms differ in success, else the first."""
     pictures = []
-    for name in result.study.tasks:
-        seeds = result.column(name, result.study.arms[0], "seed")
+    for name in result.plan.tasks:
+        seeds = result.column(name, result.plan.arms[0], "seed")
         chosen = next((seed for seed in seeds if len({r["success"] for r in _of(result, name, seed)}) > 1), seeds[0])
         runs = [
             (course, trace)
@@ -100,35 +114,37 @@ def stage_section(model: DriveAssistantModel, logs: Sequence[DriveLog]) -> Secti
     )
 
 
-def write_driving_report(
-    result: DrivingResult,
-    folder: Path,
-    more: Sequence[Section] = (),
-    *,
-    demonstrations: Sequence[Path] = (),
-    tasks: TaskResult | None = None,
-    command: str = "",
-) -> Path:
-    """Writes report.html and figures.json into `folder` -> the report's path.
+def driving_tables(result: DrivingResult) -> list[Table]:
+    """Figures to reach, Tables 3.1 and 4.1 (one a course) and 3.3."""
+    tables = [_driving_table(result, name, label) for name, label in course_labels(result.plan.courses).items()]
+    aims = [aims_table(result, arm) for arm in MOST_JERK]
+    return [t for t in (*aims, *tables, _framework_table(result)) if t is not None]
 
-    demonstrations: the drive logs that the study's model learned from, for the pictures of the stages; tasks: their
-    tables and pictures come after the courses'; command: what repeats the report. The same results give the same bytes.
-    """
-    sections = [Section("Driving", INTRODUCTION, driving_tables(result), course_pictures(result))]
-    rows = list(result.rows)
+
+def findings(result: WholeResult) -> Findings:
+    """Everything that is shown: courses, then tasks, then how demonstrations became paths."""
+    driven, tasks = result.courses, result.tasks
+    size = f"{len(driven.traces)} runs, {driven.nbytes / 1e6:.1f} MB in memory without their scans."
+    sections = [Section("Driving", f"{INTRODUCTION}\n\n{size}", driving_tables(driven), course_pictures(driven))]
     if tasks is not None:
         sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
-        rows += tasks.rows
-    primitives = result.study.models.primitives
-    if demonstrations and primitives is not None:
-        logs = [open_log(path) for path in demonstrations]
+    primitives = driven.plan.models.primitives
+    if result.demonstrations and primitives is not None:
+        logs = [open_log(path) for path in result.demonstrations]
         sections.append(stage_section(DriveAssistantModel.load(primitives), logs))
-    write_figures(folder / "figures.json", rows)
-    lead, origin = headline(result), _origin(result, command)
-    return write_report(folder / "report.html", "lfdcore: driving study", [*sections, *more], lead, origin)
+    return Findings(
+        headline=headline(driven),
+        sections=sections,
+        rows=[*driven.rows, *(() if tasks is None else tasks.rows)],
+        keys=("course", "task", "assistant", "driver", "seed"),
+        aims=all_aims(driven),
+    )
 
 
-def _origin(result: DrivingResult, command: str) -> str:
-    runs = f"{len(result.traces)} runs, {result.nbytes / 1e6:.1f} MB in memory without their scans"
-    made = f"lfdcore {__version__}, seed {result.study.seed}; {runs}."
-    return f"{made} Made by: `{command}`" if command else made
+def run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study driving."""
+    result = run_driving_study(study, folder, tell)
+    tell("report", 0, 1)
+    found = findings(result)
+    tell("report", 1, 1)
+    return found

@@ -1,114 +1,81 @@
-"""Study driving: drivers x courses x assistants x seeds (Sec. 3.5-3.6, Tables 3.1-3.3, 4.1)."""
+"""Study driving: drivers x courses x assistants, and short tasks (Sec. 3.5-3.6, Tables 3.1-3.3, 4.1)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import Annotated
 
-from lfdcore.simulated.courses import Course
-from lfdcore.simulated.drivers import population
-from lfdcore.simulated.run import Job, RunConfig
-from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import (
-    ARMS,
-    METHODS,
-    StudyModels,
-    impaired_driver,
-    make_assistant,
-    require_arms,
-    require_once,
-)
-from lfdcore.study.driving.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
-from lfdcore.study.jobs import run_jobs
-from lfdcore.wheelchair.assistants import (
-    DriveAssistant,
-)
-from lfdcore.wheelchair.planner import Compliance
+from lfdcore.simulated.courses import course_by_name
+from lfdcore.study.arms import ARMS, METHODS, StudyModels, models_by_method, require_arms
+from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
+from lfdcore.study.driving.plan import DrivingPlan, DrivingResult, run_driving_plan
+from lfdcore.study.driving.tasks import TaskPlan, TaskResult, run_task_plan
+from lfdcore.study.study import Option, Progress, Study, silent, under
 
 
 @dataclass(frozen=True, kw_only=True)
-class DrivingStudy:
-    """What is compared. Driver k of the population drives every course in every arm with seed `seed` + k."""
+class DrivingStudy(Study):
+    """Drivers x courses x assistants: Tables 3.1-3.3 and 4.1 with intervals, tasks, pictures of every course."""
 
-    courses: tuple[Course, ...]
-    models: StudyModels
-    arms: tuple[str, ...] = ARMS
-    drivers: int = 10
-    seed: int = 1
-    run: RunConfig = field(default_factory=RunConfig)
+    name = "driving"
+    title = "driving study"
+
+    models: Annotated[
+        tuple[Path, ...],
+        Option("A learned model, once a method; what is missing is learned from demonstrations.", flag="--model"),
+    ] = ()
+    courses: Annotated[tuple[str, ...], Option("Comma-separated names of courses or map .yaml files.")] = (
+        "standard_course",
+    )
+    assistants: Annotated[
+        tuple[str, ...], Option("Of none, dwa, primitives, heatmaps; dwa_1s, supervisor, thesis, heatmaps_thesis.")
+    ] = ARMS
+    drivers: Annotated[int, Option("Simulated impaired drivers.", minimum=1)] = 10
+    starts: Annotated[int, Option("Starts of each task; 0: no tasks.", minimum=0, flag="--task-starts")] = 20
 
     def __post_init__(self) -> None:
-        require_arms(self.arms)
-        require_once("course", [course.name for course in self.courses])
-
-    def jobs(self) -> list[Job]:
-        """One job a run, in a fixed order: course, driver, arm."""
-        drivers = population(self.drivers, self.seed)
-        return [
-            Job(
-                course,
-                partial(impaired_driver, config),
-                partial(make_assistant, arm, self.models, self.run),
-                self.seed + k,
-                self.run,
-            )
-            for course in self.courses
-            for k, config in enumerate(drivers)
-            for arm in self.arms
-        ]
+        super().__post_init__()
+        require_arms(self.assistants)
 
 
 @dataclass(frozen=True)
-class DrivingResult:
-    """A study's traces with their metrics, in the order of its jobs."""
+class WholeResult:
+    """Courses and, if asked for, tasks, driven with the same models."""
 
-    study: DrivingStudy
-    traces: tuple[DriveTrace, ...]
-    rows: tuple[dict[str, Any], ...]
-    """one a trace: course, driver (its number), assistant, seed, outcome and all metrics by name"""
-
-    @property
-    def nbytes(self) -> int:
-        """Memory of the traces [bytes]: they hold no scans."""
-        return sum(trace.nbytes for trace in self.traces)
-
-    def column(self, course: str | None, arm: str, metric: str) -> list[float]:
-        """A metric of an arm in the order of drivers, on one course or (None) on all."""
-        return [
-            float(row[metric])
-            for row in self.rows
-            if row["assistant"] == arm and (course is None or row["course"] == course)
-        ]
+    courses: DrivingResult
+    tasks: TaskResult | None
+    demonstrations: tuple[Path, ...]
+    """logs that the study's primitives learned from; none for a model that was given"""
 
 
-def run_driving_study(
-    study: DrivingStudy,
-    progress: Callable[[int, int], None] | None = None,
-    processes: int | None = None,
-) -> DrivingResult:
-    """Runs a study over processes; its result does not depend on their number."""
-    traces = run_jobs(study.jobs(), progress, processes)
-    planners = {arm: make_assistant(arm, study.models, study.run) for arm in study.arms if arm in METHODS}
-    judges = {arm: one.planner for arm, one in planners.items() if isinstance(one, DriveAssistant)}
-    return DrivingResult(study, traces, tuple(metric_rows(traces, judges)))
+def run_driving_study(study: DrivingStudy, folder: Path, tell: Progress = silent) -> WholeResult:
+    """Learns what the assistants need and was not given, into `folder`, and drives courses and tasks.
+
+    ValueError before anything is driven for a course or a model that cannot be used.
+    """
+    given = models_by_method(study.models)
+    courses = tuple(course_by_name(name, study.seed) for name in study.courses)
+    plan = DrivingPlan(courses=courses, models=given, arms=study.assistants, drivers=study.drivers, seed=study.seed)
+    models = _learn_what_is_missing(study, folder, given, tell)
+    driven = run_driving_plan(replace(plan, models=models), partial(tell, "drive courses never seen"), study.processes)
+    tasks = None
+    if study.starts:
+        task_plan = TaskPlan(models=models, arms=study.assistants, starts=study.starts, seed=study.seed)
+        tasks = run_task_plan(task_plan, partial(tell, "tasks: docking, narrow gap"), study.processes)
+    demonstrations = () if given.primitives else tuple(sorted(folder.glob("demonstration-*.mcap")))
+    return WholeResult(driven, tasks, demonstrations)
 
 
-def metric_rows(traces: Iterable[DriveTrace], compliance: Mapping[str, Compliance]) -> list[dict[str, Any]]:
-    """All metrics of all traces; `compliance` of each arm that plans. Steering entropy's fixed baseline is that of the
-    same seed's unassisted run."""
-    traces = list(traces)
-    baseline = {
-        (t.course, t.seed): entropy_baseline(steering_signal(t.stamp, t.desired))
-        for t in traces
-        if t.assistant == "none"
-    }
-    rows = []
-    for trace in traces:
-        row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
-        row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
-        if trace.plans:
-            row |= asdict(framework_metrics(trace, compliance[trace.assistant]))
-        rows.append(row)
-    return rows
+def _learn_what_is_missing(study: DrivingStudy, folder: Path, given: StudyModels, tell: Progress) -> StudyModels:
+    """The models that the assistants need, learned from demonstrations where none was given."""
+    needed = {METHODS[arm] for arm in study.assistants if arm in METHODS}
+    primitives, heatmaps = given.primitives, given.heatmaps
+    if primitives is None and "primitives" in needed:
+        primitives = learn_from_demonstrations(folder, study.seed, progress=partial(tell, "learn primitives"))
+    if heatmaps is None and "heatmaps" in needed:
+        heatmaps = learn_heatmaps_from_demonstrations(
+            folder, study.seed, under("heatmaps", tell), processes=study.processes
+        )
+    return StudyModels(primitives, heatmaps)

@@ -11,17 +11,11 @@ from lfdcore.control import DynamicWindowConfig
 from lfdcore.pictures.course import arm_name
 from lfdcore.simulated.courses import Course
 from lfdcore.study.driving.metrics import JERK_WINDOW
-from lfdcore.study.driving.study import DrivingResult, DrivingStudy
-from lfdcore.study.driving.tasks import TASK_GOALS, TASK_NAMES, TaskResult
-from lfdcore.study.prediction.study import LogPrediction
-from lfdcore.study.prediction.tables import prediction_cells
-from lfdcore.study.report.aims import Aim
+from lfdcore.study.driving.plan import DrivingPlan, DrivingResult
 from lfdcore.study.report.cells import mean_cell, p_cell, share_cell
 from lfdcore.study.report.statistics import (
     paired_proportions_test,
-    paired_ratio,
     paired_test,
-    summarise,
 )
 from lfdcore.study.report.table import Row, Table
 from lfdcore.wheelchair.assistants import DynamicWindowAssistant
@@ -79,10 +73,10 @@ FRAMEWORK = (
 )
 
 
-_DEFINITIONS = (
+DEFINITIONS = (
     "The thesis does not define these to the letter; ours (study/driving/metrics.py): path compliance counts path "
-    "points that complied at any later time; compliant length reaches to the last control point that complied while its path was "
-    "tracked; path RMSE is over the points passed by then, and would be the larger one with those ahead."
+    "points that complied at any later time; compliant length reaches to the last control point that complied while "
+    "its path was tracked; path RMSE is over the points passed by then, and would be the larger one with those ahead."
 )
 
 
@@ -94,19 +88,13 @@ _JERK = (
     f" Angular jerk: the thesis states no smoothing; ours is a Savitzky-Golay parabola over {JERK_WINDOW:g} s of the "
     "true motion, so only ratios between arms compare (docs/decisions.md)."
 )
-_JERK_RATIO = (
-    " The thesis's angular jerk falls from 0.07 to 0.03 (Table 3.1), by its digits to between 0.33 and 0.54 of "
-    "unassisted, with heatmaps from 0.04 to 0.02 (Table 4.1: 0.33 to 0.71). Ours need not agree: its smoothing is not "
-    "stated, drivers, courses and the chair's limits are others, and about half of our reduction comes from the "
-    "low-pass on commands along a path (docs/decisions.md)."
-)
 _NOT_MEASURED = (
     " '-': not measured, or too few pairs for a test; a fixed baseline of the steering entropy needs the same driver's "
     "unassisted run, and prediction errors in it."
 )
 
 
-def _completed(result: DrivingResult, course: str, arm: str) -> list[bool]:
+def completed_runs(result: DrivingResult, course: str, arm: str) -> list[bool]:
     rows = (row for row in result.rows if (row["course"], row["assistant"]) == (course, arm))
     return [row["outcome"] == "completed" for row in rows]
 
@@ -116,7 +104,7 @@ def _contacts(counts: Sequence[float]) -> str:
     return f"{int(sum(counts))}\n{sum(c > 0 for c in counts)} of {len(counts)} drivers"
 
 
-def _horizon(arms: Sequence[str]) -> str:
+def horizon_note(arms: Sequence[str]) -> str:
     """What DWA's figures depend on most: its twists are held for longer than its goal lies ahead."""
     if "dwa" not in arms:
         return ""
@@ -132,7 +120,7 @@ def _stacked(name: str) -> str:
     return name.replace(" (", "\n(").replace(", ", ",\n").replace(" only", "\nonly")
 
 
-def _arm_columns(arms: Sequence[str]) -> Row:
+def arm_columns(arms: Sequence[str]) -> Row:
     """Headers: a column an arm, then one for the p of each but the first."""
     short = (arm_name(arm).removesuffix(" (learned)") for arm in arms[1:])
     return (*(_stacked(arm_name(arm)) for arm in arms), *(_stacked(f"p, {name}") for name in short))
@@ -179,8 +167,8 @@ def _thesis_columns(arms: Sequence[str], real: bool) -> list[_Thesis]:
 
 
 def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
-    arms, study = result.study.arms, result.study
-    done = [_completed(result, course, arm) for arm in arms]
+    arms, study = result.plan.arms, result.plan
+    done = [completed_runs(result, course, arm) for arm in arms]
     hits = [result.column(course, arm, "collisions") for arm in arms]
     ps = [p_cell(paired_proportions_test(done[0], other)) for other in done[1:]]
     thesis = _thesis_columns(arms, course == REAL_COURSE)
@@ -194,23 +182,23 @@ def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
         rows.append((metric.label, *cells, *ps, *(getattr(metric, column.figures) for column in thesis)))
     return Table(
         f"Driving metrics, {label} (as Table {' and '.join(column.number for column in thesis)}; n = {study.drivers} "
-        f"simulated impaired drivers, {_seeds(study)})",
-        ("", *_arm_columns(arms), *(column.header for column in thesis)),
+        f"simulated impaired drivers, {seeds_of(study)})",
+        ("", *arm_columns(arms), *(column.header for column in thesis)),
         tuple(rows),
         f"{_INTERVALS}Completed: Wilson's interval. p: against {arm_name(arms[0])}, paired over drivers (exact "
         "Wilcoxon signed-rank; McNemar's exact test for completion), not corrected for their number. "
         "Failures (stuck, out of time) stay in, with the time at which they were given up: where an arm completes "
         "less, its time and distance are too small. Thesis: unassisted -> assisted, "
-        f"{'; '.join(column.users for column in thesis)}, in another course of its own.{_JERK}{_horizon(arms)}"
+        f"{'; '.join(column.users for column in thesis)}, in another course of its own.{_JERK}{horizon_note(arms)}"
         f"{_NOT_MEASURED if any('-' in row for row in rows) else ''}",
     )
 
 
 def _framework_table(result: DrivingResult) -> Table | None:
-    arms = [arm for arm in result.study.arms if any("path_rmse" in r for r in result.rows if r["assistant"] == arm)]
+    arms = [arm for arm in result.plan.arms if any("path_rmse" in r for r in result.rows if r["assistant"] == arm)]
     if not arms:
         return None
-    pairs = [(arm, course.name) for arm in arms for course in result.study.courses]
+    pairs = [(arm, course.name) for arm in arms for course in result.plan.courses]
     rows = []
     for metric in FRAMEWORK:
         values = [
@@ -218,9 +206,9 @@ def _framework_table(result: DrivingResult) -> Table | None:
         ]
         cells = (mean_cell(v, metric.digits, metric.bounded) for v in values)
         rows.append((metric.label, *cells, metric.simulated, metric.real))
-    labels = course_labels(result.study.courses)
+    labels = course_labels(result.plan.courses)
     return Table(
-        f"Framework metrics (as Table 3.3; n = {result.study.drivers} simulated impaired drivers a column)",
+        f"Framework metrics (as Table 3.3; n = {result.plan.drivers} simulated impaired drivers a column)",
         (
             "",
             *(f"{_stacked(arm_name(arm))}\n{labels[course]}" for arm, course in pairs),
@@ -228,163 +216,10 @@ def _framework_table(result: DrivingResult) -> Table | None:
             "thesis,\nreal",
         ),
         tuple(rows),
-        _INTERVALS + _DEFINITIONS,
+        _INTERVALS + DEFINITIONS,
     )
 
 
-def _ratio(result: DrivingResult, course: str, arm: str, metric: str) -> tuple[float, int]:
-    """To unassisted, over the drivers who completed in both arms -> ratio, their number."""
-    without, of_arm = (result.column(course, name, metric) for name in ("none", arm))
-    both = np.array(_completed(result, course, "none")) & np.array(_completed(result, course, arm))
-    return paired_ratio(without, of_arm, both)
-
-
-def _mean(values: Sequence[float]) -> float:
-    return summarise(values).mean
-
-
-def _aims(result: DrivingResult, course: str, arm: str) -> list[Aim]:
-    def ratio(metric: str, label: str, most: float) -> Aim:
-        found, n = _ratio(result, course, arm, metric)
-        pairs = n if n < result.study.drivers else None
-        return Aim(f"{label} / unassisted", f"<= {most:.2f}", found, 2, found <= most, pairs)
-
-    hits, done = sum(result.column(course, arm, "collisions")), _completed(result, course, arm)
-    share = sum(done) / len(done)
-    aims = [
-        Aim("collisions", "0", hits, 0, hits == 0),
-        Aim("completed (share)", ">= 0.95", share, 2, share >= 0.95),
-        ratio("angular_jerk", "angular jerk", _MOST_JERK[arm]),
-        ratio("time", "time", 1.0),
-    ]
-    return aims if arm == "heatmaps" else [*aims, *_framework_aims(result, course, arm)]
-
-
-_MOST_JERK = {"primitives": 0.6, "heatmaps": 0.5}
-"""Of unassisted driving's: Table 4.1 has it halved."""
-
-
-def _framework_aims(result: DrivingResult, course: str, arm: str) -> list[Aim]:
-    """Table 3.3's; Ch. 4 has none"""
-    rows = [row for row in result.rows if (row["course"], row["assistant"]) == (course, arm)]
-    names = ("obedience", "path_rmse", "compliant_length", "path_compliance")
-    found = {name: _mean([row.get(name, np.nan) for row in rows]) for name in names}
-    return [
-        Aim("user obedience", ">= 0.87", found["obedience"], 2, found["obedience"] >= 0.87),
-        Aim("path RMSE [m]", "<= 0.040", found["path_rmse"], 3, found["path_rmse"] <= 0.04),
-        Aim("compliant length [m]", ">= 0.80", found["compliant_length"], 2, found["compliant_length"] >= 0.8),
-        Aim("path compliance (share)", ">= 0.60", found["path_compliance"], 2, found["path_compliance"] >= 0.6),
-    ]
-
-
-def aims_table(result: DrivingResult, arm: str) -> Table | None:
-    """What 'primitives' or 'heatmaps' were to reach, and whether they did, on each course; None without that arm or the
-    unassisted one."""
-    if not {"none", arm} <= set(result.study.arms):
-        return None
-    names = [course.name for course in result.study.courses]
-    columns = [_aims(result, name, arm) for name in names]
-    rows = [(aims[0].label, aims[0].wanted, *(a.as_text() for a in aims)) for aims in zip(*columns, strict=True)]
-    labels = course_labels(result.study.courses)
-    defined = "" if arm == "heatmaps" else f" {_DEFINITIONS}"
-    return Table(
-        f"Figures to reach, {arm_name(arm)} (n = {result.study.drivers} simulated drivers a course)",
-        ("", "wanted", *(f"{labels[course.name]}\n({course.split})" for course in result.study.courses)),
-        tuple(rows),
-        "Means over drivers; a ratio is that of the two arms' means over the drivers who completed in both arms, with "
-        f"their n where that is not all. In brackets: what the course may be used for.{defined}{_JERK_RATIO}",
-    )
-
-
-def headline(result: DrivingResult) -> str:
-    """The result in a sentence: collisions, completion and jerk of the learned arms (without any the last one) and
-    unassisted."""
-    study = result.study
-    arms = [arm for arm in _MOST_JERK if arm in study.arms] or [study.arms[-1]]
-    first = [name for name in ("none",) if name in study.arms and name not in arms]
-    text = "; ".join(_counts(result, name) for name in (*arms, *first))
-    if first:
-        jerks = "; ".join(_jerk_ratios(result, arm, named=len(arms) > 1) for arm in arms)
-        text += f". Angular jerk / unassisted: {jerks}".replace("nan", "-")
-    people = f"simulated impaired driver{'s' * (study.drivers != 1)}"
-    return f"{text}. n = {study.drivers} {people} a course, {_seeds(study)}."
-
-
-def _jerk_ratios(result: DrivingResult, arm: str, named: bool) -> str:
-    labels = course_labels(result.study.courses)
-    ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
-    return (f"{arm_name(arm)} " if named else "") + ", ".join(ratios)
-
-
-def _seeds(study: DrivingStudy) -> str:
+def seeds_of(study: DrivingPlan) -> str:
     last = study.seed + study.drivers - 1
     return f"seeds {study.seed}..{last}" if study.drivers > 1 else f"seed {last}"
-
-
-def _counts(result: DrivingResult, arm: str) -> str:
-    rows = [row for row in result.rows if row["assistant"] == arm]
-    hits, done = sum(row["collisions"] for row in rows), sum(row["outcome"] == "completed" for row in rows)
-    return f"{arm_name(arm)}: {hits} collision{'s' * (hits != 1)}, {done} of {len(rows)} runs completed"
-
-
-def driving_tables(result: DrivingResult) -> list[Table]:
-    """Figures to reach, Tables 3.1 and 4.1 (one a course) and 3.3."""
-    tables = [_driving_table(result, name, label) for name, label in course_labels(result.study.courses).items()]
-    aims = [aims_table(result, arm) for arm in _MOST_JERK]
-    return [t for t in (*aims, *tables, _framework_table(result)) if t is not None]
-
-
-_TASK_SHARES = (("success", "success\n(reached, no contact)"), ("reached", "reached"), ("stuck", "stuck for a while"))
-_TASK_FIGURES = (
-    ("contacts", "contacts", 1, True),
-    ("reversals", "reversals", 1, True),
-    ("time", "time [s]", 0, False),
-)
-
-
-def _stuck_runs(result: TaskResult, task: str) -> str:
-    """What stuck means in a task, and how the runs that were stuck ended."""
-    ends = []
-    for arm in result.study.arms:
-        reached = [
-            end for end, s in zip(*(result.column(task, arm, k) for k in ("reached", "stuck")), strict=True) if s
-        ]
-        if reached:
-            ends.append(f"{sum(reached)} of {len(reached)} ({arm_name(arm)})")
-    meaning = "Stuck for a while: less than .1 m in some 10 s while forward is asked; in a task that ends no run"
-    return f"{meaning}, and of these runs {', '.join(ends)} still reached it." if ends else f"{meaning}."
-
-
-def _task_table(result: TaskResult, task: str) -> Table:
-    arms, study = result.study.arms, result.study
-    rows: list[Row] = []
-    for key, label in _TASK_SHARES:
-        columns = [result.column(task, arm, key) for arm in arms]
-        ps = [p_cell(paired_proportions_test(columns[0], other)) for other in columns[1:]]
-        rows.append((label, *(share_cell(sum(c), len(c)) for c in columns), *ps))
-    for key, label, digits, bounded in _TASK_FIGURES:
-        columns = [result.column(task, arm, key) for arm in arms]
-        ps = [p_cell(paired_test(columns[0], other).p) for other in columns[1:]]
-        rows.append((label, *(mean_cell(c, digits, bounded) for c in columns), *ps))
-    return Table(
-        f"Task: {TASK_NAMES[task]} (n = {study.starts} starts and simulated impaired drivers, seeds {study.seed}.."
-        f"{study.seed + study.starts - 1})",
-        ("", *_arm_columns(arms)),
-        tuple(rows),
-        f"{TASK_GOALS[task]} Success: reached without any contact. {_stuck_runs(result, task)} Shares with Wilson's 95 "
-        f"% interval, p (against {arm_name(arms[0])}) by McNemar's exact test; else mean+-sd, the mean's 95 % interval "
-        "(Student's, cut at 0; for counts a seeded bootstrap's percentiles) and Wilcoxon's p."
-        f"{_horizon(arms)}",
-    )
-
-
-def task_tables(result: TaskResult) -> list[Table]:
-    """One table a task: success, stuck rate, reversals in every arm."""
-    return [_task_table(result, task) for task in result.study.tasks]
-
-
-def prediction_table(prediction: LogPrediction, seed: int = 1) -> Table:
-    """Path error along a real log beside both baselines."""
-    header, *lines = prediction_cells(prediction, seed)
-    note = "Mean path error at equal arc length; 95 % intervals by block bootstrap over 5 m of way, seed "
-    return Table(f"Path error along {prediction.log.name} (real log)", header, tuple(lines), f"{note}{seed}.")

@@ -55,7 +55,7 @@ def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TaskStudy:
+class TaskPlan:
     """Start k of each task is drawn from `seed` + k and driven by driver k of the population in every arm."""
 
     models: StudyModels
@@ -81,7 +81,7 @@ class TaskStudy:
 class TaskResult:
     """Rows and traces in a fixed order: task, start, arm."""
 
-    study: TaskStudy
+    plan: TaskPlan
     rows: tuple[dict[str, Any], ...]
     """one a run: task, assistant, seed, reached, success (reached, no contact), contacts, stuck, reversals, time [s]"""
     traces: tuple[DriveTrace, ...]
@@ -115,27 +115,27 @@ def task_row(name: str, task: Task, trace: DriveTrace) -> dict[str, Any]:
     }
 
 
-def run_task_study(
-    study: TaskStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
+def run_task_plan(
+    plan: TaskPlan, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> TaskResult:
     """Runs all tasks over processes; the result does not depend on their number."""
-    drivers = population(study.starts, study.seed)
-    plan = [
+    drivers = population(plan.starts, plan.seed)
+    runs = [
         (name, task, arm, config)
-        for name in study.tasks
-        for task, config in zip(study.made(name), drivers, strict=True)
-        for arm in study.arms
+        for name in plan.tasks
+        for task, config in zip(plan.made(name), drivers, strict=True)
+        for arm in plan.arms
     ]
     jobs = [
         Job(
             task.course,
             partial(_driver, task, config),
-            partial(make_assistant, arm, study.models, study.run),
+            partial(make_assistant, arm, plan.models, plan.run),
             task.seed,
-            _limits(task, study.run),
+            _limits(task, plan.run),
         )
-        for _, task, arm, config in plan
+        for _, task, arm, config in runs
     ]
     traces = run_jobs(jobs, progress, processes)
-    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(plan, traces, strict=True))
-    return TaskResult(study, rows, traces, tuple(job.course for job in jobs))
+    rows = tuple(task_row(name, task, trace) for (name, task, _, _), trace in zip(runs, traces, strict=True))
+    return TaskResult(plan, rows, traces, tuple(job.course for job in jobs))

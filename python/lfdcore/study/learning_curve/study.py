@@ -39,7 +39,7 @@ from lfdcore.study.demonstrations import (
     demonstrate_in_mazes,
     drive_to_destinations,
 )
-from lfdcore.study.driving.study import metric_rows
+from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.prediction.path_error import (
     REACH,

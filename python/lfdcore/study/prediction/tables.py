@@ -20,7 +20,11 @@ from lfdcore.study.prediction.study import (
     ModelPaths,
     _way,
 )
-from lfdcore.study.report.statistics import block_bootstrap, block_bootstrap_ratio
+from lfdcore.study.report.statistics import (
+    block_bootstrap,
+    block_bootstrap_ratio,
+)
+from lfdcore.study.report.table import Table
 
 
 def error_rows(prediction: LogPrediction, seed: int = 1) -> list[ErrorRow]:
@@ -149,3 +153,10 @@ def _about(name: str, paths: ModelPaths) -> str:
         f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
         f"stick {paths.stick}"
     )
+
+
+def prediction_table(prediction: LogPrediction, seed: int = 1) -> Table:
+    """Path error along a real log beside both baselines."""
+    header, *lines = prediction_cells(prediction, seed)
+    note = "Mean path error at equal arc length; 95 % intervals by block bootstrap over 5 m of way, seed "
+    return Table(f"Path error along {prediction.log.name} (real log)", header, tuple(lines), f"{note}{seed}.")

@@ -1,0 +1,101 @@
+"""One loop drives any chair: it owns the stamps, records what a chair records, and always stops the chair."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lfdcore.datasets import open_log
+from lfdcore.datasets.drive_log import DriveLogWriter
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.grid import LaserScan
+from lfdcore.wheelchair.assistants import Unassisted
+from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, WallClock, drive
+from lfdcore.wheelchair.observation import Assistance, Observation
+
+SCAN = LaserScan(np.full(5, 2.0, np.float32), -1.0, 0.5, 0.0, 30.0)
+
+
+class Wheels:
+    """The least chair: it notes what it is asked."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[str, float]] = []
+
+    def observe(self, stamp: float) -> Observation:
+        self.calls.append(("observe", stamp))
+        return Observation(stamp, SCAN, stamp, Pose2(), Twist2(), (0.5, 0.0))
+
+    def command(self, twist: Twist2, duration: float) -> None:
+        self.calls.append(("command", twist.linear))
+
+    def stop(self) -> None:
+        self.calls.append(("stop", 0.0))
+
+
+class Breaking(Unassisted):
+    def update(self, observation: Observation) -> Assistance:
+        if observation.stamp > 0.15:
+            raise RuntimeError("broken")
+        return super().update(observation)
+
+
+def ticks(n: int) -> "list[Tick]":
+    """Collects n ticks; its `append` tells the loop when to end."""
+
+    class Collected(list[Tick]):
+        def __call__(self, tick: Tick) -> bool:
+            self.append(tick)
+            return len(self) == n
+
+    return Collected()
+
+
+def test_every_tick_observes_then_commands_and_the_chair_is_stopped_at_the_end() -> None:
+    chair, seen = Wheels(), ticks(2)
+    drive(chair, Unassisted(), seen, clock=SimulatedClock())
+    assert [name for name, _ in chair.calls] == ["observe", "command", "observe", "command", "stop"]
+    assert [tick.stamp for tick in seen] == [tick.observation.stamp for tick in seen] == pytest.approx([0.0, 0.1])
+    assert chair.calls[1][1] == seen[0].assistance.command.linear > 0
+
+
+def test_the_chair_is_stopped_when_the_assistant_breaks() -> None:
+    chair = Wheels()
+    with pytest.raises(RuntimeError, match="broken"):
+        drive(chair, Breaking(), ticks(9), clock=SimulatedClock())
+    assert [name for name, _ in chair.calls][-2:] == ["observe", "stop"]
+
+
+def test_the_chair_is_stopped_when_who_watches_interrupts() -> None:
+    def interrupt(tick: Tick) -> bool:
+        raise KeyboardInterrupt
+
+    chair = Wheels()
+    with pytest.raises(KeyboardInterrupt):
+        drive(chair, Unassisted(), interrupt, clock=SimulatedClock())
+    assert chair.calls[-1] == ("stop", 0.0)
+
+
+def test_the_loop_records_what_a_chair_records(tmp_path: Path) -> None:
+    with DriveLogWriter(tmp_path / "drive.mcap", T_base_laser=Pose2(0.5, 0, 0)) as log:
+        drive(Wheels(), Unassisted(), ticks(3), clock=SimulatedClock(), log=log)
+    drive_log = open_log(tmp_path / "drive.mcap")
+    for stamps in (drive_log.scan_stamp, drive_log.odometry_stamp, drive_log.joystick_stamp, drive_log.command_stamp):
+        np.testing.assert_allclose(stamps, [0.0, 0.1, 0.2])
+    np.testing.assert_allclose(drive_log.joystick, [[0.5, 0.0]] * 3)
+
+
+@pytest.mark.parametrize("period", [0.0, -0.1, float("nan"), float("inf")])
+def test_a_period_that_is_none_is_refused_before_anything_moves(period: float) -> None:
+    chair = Wheels()
+    with pytest.raises(ValueError, match="period is"):
+        drive(chair, Unassisted(), ticks(1), period=period)
+    assert chair.calls == []
+
+
+def test_by_the_wall_clock_no_tick_comes_before_it_is_due() -> None:
+    seen = ticks(3)
+    drive(Wheels(), Unassisted(), seen, period=0.02)
+    assert all(tick.stamp >= 0.02 * number for number, tick in enumerate(seen))
+    clock = WallClock()
+    assert 0 <= clock.wait_until(-1.0) < clock.wait_until(0.01)
