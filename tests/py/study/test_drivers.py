@@ -19,7 +19,7 @@ from lfdcore.simulated.drivers import (
     population,
 )
 from lfdcore.simulated.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
-from lfdcore.study.driving.figure_eight import TABLE_A1, figure_eight_table, format_table
+from lfdcore.study.driving.figure_eight import TABLE_A1, as_table, figure_eight_table
 
 DRIVERS = [ExpertDriver, AbleDriver, ImpairedDriver]
 LIMITS = MotionLimits()
@@ -213,4 +213,4 @@ def test_the_able_driver_matches_table_a1_except_the_jerk() -> None:
     for metric, tolerance in {"distance": 0.6, "deviation": 0.015, "steering_entropy": 0.03, "forward": 0.05}.items():
         assert table[metric].ours[0] == pytest.approx(TABLE_A1[metric][0][0], abs=tolerance)
     assert table["time"].ours[0] == pytest.approx(42, abs=4)
-    assert "ours (n = 6)" in format_table(list(table.values()))
+    assert "ours (n = 6)" in as_table(list(table.values())).as_text()

@@ -11,6 +11,8 @@ from lfdcore.geometry import MotionLimits, Twist2, approach, integrate
 from lfdcore.simulated.courses import Course, figure_eight
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver
 from lfdcore.study.driving.metrics import angular_jerk, distance, steering_entropy, steering_signal
+from lfdcore.study.report.table import Table
+from lfdcore.wheelchair.observation import PERIOD
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -52,13 +54,13 @@ def drive_figure_eight(
     pose, twist = course.start, Twist2()
     rows: list[list[float]] = []
     for tick in range(2000):
-        stick = driver.act(tick * _PERIOD, pose, twist, False).joystick
+        stick = driver.act(tick * PERIOD, pose, twist, False).joystick
         if driver.done:
             return _metrics(course, np.array(rows))
         wanted = Twist2(float(stick[0]) * limits.max_linear, float(stick[1]) * limits.max_angular)
-        twist = approach(twist, wanted, limits, _PERIOD)
-        pose = integrate(pose, twist, _PERIOD)
-        rows.append([tick * _PERIOD, *pose, *twist, *stick])
+        twist = approach(twist, wanted, limits, PERIOD)
+        pose = integrate(pose, twist, PERIOD)
+        rows.append([tick * PERIOD, *pose, *twist, *stick])
     raise RuntimeError("the able driver did not finish the figure-8 within 200 s")
 
 
@@ -74,16 +76,13 @@ def figure_eight_table(n: int = 20, config: AbleConfig | None = None) -> list[Ta
     return rows
 
 
-_PERIOD = 0.1
-
-
 def _metrics(course: Course, rows: FloatArray) -> dict[str, float]:
     stamp, pose, omega, stick = rows[:, 0], rows[:, 1:4], rows[:, 5], rows[:, 6:8]
     return {
         "distance": distance(pose),
         "deviation": float(np.mean(np.abs(_off_circles(pose[:, :2])))),
         "steering_entropy": steering_entropy(steering_signal(stamp, stick)),
-        "angular_jerk": angular_jerk(omega, _PERIOD),
+        "angular_jerk": angular_jerk(omega, PERIOD),
         "forward": float(stick[:, 0].mean()),
         "time": float(stamp[-1]),
     }
@@ -95,10 +94,8 @@ def _off_circles(points: FloatArray) -> FloatArray:
     return np.minimum(*away)
 
 
-def format_table(rows: list[TableRow]) -> str:
-    """The table as text: thesis simulated, thesis real, ours."""
-    lines = [f"{'metric':18}{'thesis simulated':>20}{'thesis real':>18}{f'ours (n = {rows[0].n})':>20}"]
-    for row in rows:
-        cells = [f"{mean:.3g} +- {sd:.2g}" for mean, sd in (row.simulated, row.real, row.ours)]
-        lines.append(f"{row.metric:18}{cells[0]:>20}{cells[1]:>18}{cells[2]:>20}")
-    return "\n".join(lines)
+def as_table(rows: list[TableRow]) -> Table:
+    """Table A.1: the thesis simulated, the thesis real, ours."""
+    header = ("metric", "thesis simulated", "thesis real", f"ours (n = {rows[0].n})")
+    cells = [(row.metric, *(f"{m:.3g} +- {sd:.2g}" for m, sd in (row.simulated, row.real, row.ours))) for row in rows]
+    return Table("The figure-8 (Table A.1)", header, tuple(cells))

@@ -20,6 +20,7 @@ from lfdcore.study.prediction.study import (
     ModelPaths,
     _way,
 )
+from lfdcore.study.report.cells import figure_cell
 from lfdcore.study.report.statistics import (
     block_bootstrap,
     block_bootstrap_ratio,
@@ -90,56 +91,43 @@ def as_json(prediction: LogPrediction, seed: int = 1) -> dict[str, Any]:
     return {"log": prediction.log.name, "outcome": prediction.outcome, "models": about, "errors": rows}
 
 
-def prediction_cells(prediction: LogPrediction, seed: int = 1) -> list[tuple[str, ...]]:
-    """The header and a row a method and reach, as text."""
-    return _table(error_rows(prediction, seed))
-
-
 def as_text(prediction: LogPrediction, seed: int = 1) -> str:
-    """The same for people: a table, and a line a model."""
+    """The same for people: a table with 95 % intervals, and a line a model."""
     if prediction.outcome:
         return f"{prediction.log.name}: {prediction.outcome}\n"
-    lines = [f"{prediction.log.name}: path error", *_aligned(prediction_cells(prediction, seed))]
-    lines += [_about(name, paths) for name, paths in prediction.models.items()]
-    return "\n".join(lines) + "\n"
+    lines = [_about(name, paths) for name, paths in prediction.models.items()]
+    return "\n".join([_table(f"{prediction.log.name}: path error", error_rows(prediction, seed)).as_text(), *lines, ""])
 
 
 def pooled_text(predictions: Sequence[LogPrediction], seed: int = 1) -> str:
     """For people: one table of all logs together."""
     judged = [p.log.name for p in predictions if not p.outcome]
-    return "\n".join([f"{', '.join(judged)} together: path error", *_aligned(_table(pooled_rows(predictions, seed)))])
+    return _table(f"{', '.join(judged)} together: path error", pooled_rows(predictions, seed)).as_text()
 
 
-def _table(rows: Sequence[ErrorRow]) -> list[tuple[str, ...]]:
-    header = ("", "up to [m]", "n", "mean [m]", "95 %", "median [m]", "to the better baseline", "95 %", "ratio", "95 %")
-    return [header, *(tuple(_cells(row)) for row in rows)]
+def prediction_table(prediction: LogPrediction, seed: int = 1) -> Table:
+    """Path error along a real log beside both baselines."""
+    note = f"Mean path error at equal arc length; 95 % intervals by block bootstrap over 5 m of way, seed {seed}."
+    return _table(f"Path error along {prediction.log.name} (real log)", error_rows(prediction, seed), note)
 
 
-def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
-    lines = []
-    for first, *others in rows:
-        cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
-        lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
-    return lines
+def _table(title: str, rows: Sequence[ErrorRow], note: str = "") -> Table:
+    header = ("", "up to [m]", "n", "mean [m]", "median [m]", "to the better baseline", "ratio")
+    return Table(title, header, tuple(map(_cells, rows)), note)
 
 
 def _cells(row: ErrorRow) -> tuple[str, ...]:
-    def interval(low: float, high: float) -> str:
-        return "-" if np.isnan(low) else f"{low:.3f} .. {high:.3f}"
-
-    baseline = row.predictor == row.baseline
+    difference = figure_cell(row.difference, row.difference_low, row.difference_high, digits=3, sign="+")
+    ratio = figure_cell(row.ratio, row.ratio_low, row.ratio_high, digits=3)
+    is_baseline = row.predictor == row.baseline
     return (
         row.predictor,
         f"{row.reach:.1f}",
         str(row.n),
-        f"{row.mean:.3f}",
-        interval(row.low, row.high),
+        figure_cell(row.mean, row.low, row.high, digits=3),
         f"{row.median:.3f}",
-        "is it" if baseline else f"{row.difference:+.3f}",
-        "" if baseline else interval(row.difference_low, row.difference_high),
-        f"{row.ratio:.3f}",
-        "" if baseline else interval(row.ratio_low, row.ratio_high),
+        "is it" if is_baseline else difference,
+        ratio.split("\n")[0] if is_baseline else ratio,
     )
 
 
@@ -153,10 +141,3 @@ def _about(name: str, paths: ModelPaths) -> str:
         f"{name}: {100 * paths.missing.mean():.1f} % without a prediction (straight on stands in); {judged}; "
         f"stick {paths.stick}"
     )
-
-
-def prediction_table(prediction: LogPrediction, seed: int = 1) -> Table:
-    """Path error along a real log beside both baselines."""
-    header, *lines = prediction_cells(prediction, seed)
-    note = "Mean path error at equal arc length; 95 % intervals by block bootstrap over 5 m of way, seed "
-    return Table(f"Path error along {prediction.log.name} (real log)", header, tuple(lines), f"{note}{seed}.")

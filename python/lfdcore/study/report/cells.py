@@ -11,13 +11,16 @@ NONE = "-"
 """a figure that there is none of"""
 
 
-def figure_cell(value: float, low: float = nan, high: float = nan, *, digits: int, sd: float = nan) -> str:
-    """The figure (+-sd, if there is one), and below it its interval [low, high], if there is one; '-' for NaN."""
+def figure_cell(
+    value: float, low: float = nan, high: float = nan, *, digits: int, sd: float = nan, sign: str = ""
+) -> str:
+    """The figure (+-sd, if there is one), and below it its interval [low, high], if there is one; '-' for NaN. sign:
+    '+' shows it always, as of a difference."""
     if isnan(value):
         return NONE
     spread = "" if isnan(sd) else f"+-{sd:.{digits}f}"
     interval = "" if isnan(low) else f"\n[{low:.{digits}f}, {high:.{digits}f}]"
-    return f"{value:.{digits}f}{spread}{interval}"
+    return f"{value:{sign}.{digits}f}{spread}{interval}"
 
 
 def summary_cell(s: Summary, digits: int, *, with_sd: bool = True, least: float = -float("inf")) -> str:
