@@ -63,8 +63,9 @@ def collaborate(
 
     Where the arm cannot follow, the inferred motion is printed, nothing is written or executed, and the exit code is 1.
     """
-    from lfdcore.datasets.interaction import load_interaction, read_environment
+    from lfdcore.datasets.interaction import load_interaction
     from lfdcore.humanoid.collaboration import CollaborationModel
+    from lfdcore.humanoid.scene import read_environment
 
     _require_options(output, picture, tool, [model_file, observe])
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.humanoid.covering import Capsule
+from lfdcore.humanoid.contact import Capsule
 from lfdcore.kinematics import InverseKinematics, KinematicChain, RobotModel, SelfCollision
 
 Side = Literal["left", "right"]

@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, neutral_posture
-from lfdcore.humanoid.covering import CLEARANCE, Capsule
+from lfdcore.humanoid.contact import CLEARANCE, Capsule
+from lfdcore.humanoid.scene import box_of
 from lfdcore.kinematics import SelfCollision
 from lfdcore.pictures.style import png
-from lfdcore.simulated.covering import BOUNDING_BOX, RIGHT_GRIPPER, box_of, covering_data
+from lfdcore.simulated.covering import BOUNDING_BOX, RIGHT_GRIPPER, covering_data
 from lfdcore.study.joints.pictures import joint_space_figure
 from lfdcore.study.joints.report import (
     QUANTITIES,
@@ -67,7 +68,7 @@ def test_both_spaces_are_judged_on_the_same_people(result: JointSpaceResult) -> 
     assert all(run.demonstrations + run.left_out == 12 for run in result.runs)
 
 
-def test_both_spaces_foretell_about_the_same_motion(result: JointSpaceResult) -> None:
+def test_both_spaces_infer_about_the_same_motion(result: JointSpaceResult) -> None:
     for one in result.trials:
         assert one.position_error < 0.1
         assert one.rotation_error < 0.15
@@ -167,7 +168,7 @@ def test_angles_between_orientations_are_scipys() -> None:
     np.testing.assert_allclose(rotation_angles(*poses), (a.inv() * b).magnitude(), atol=1e-7)
 
 
-def test_bounds_of_the_study_are_told() -> None:
+def test_bounds_of_the_study_are_kept() -> None:
     for bad in ({"seeds": 0}, {"seed": -1}, {"held_out": 0}, {"few": 0}):
         with pytest.raises(ValueError, match="seeds, held_out and few must be >= 1 and seed >= 0"):
             JointSpaceStudy(**bad)
@@ -184,7 +185,7 @@ def changed(result: JointSpaceResult, space: str, **values: object) -> JointSpac
     return JointSpaceResult(result.study, tuple(runs), result.few)
 
 
-def test_who_is_better_is_told_only_where_it_shows_over_seeds(result: JointSpaceResult) -> None:
+def test_who_is_better_is_said_only_where_it_shows_over_seeds(result: JointSpaceResult) -> None:
     many = JointSpaceResult(result.study, result.runs * 4, result.few)  # 8 seeds
     for space in SPACES:
         worse = changed(many, space, position_error=0.5, covered=False, covered_by_mouth=False)
