@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lfdcore.datasets.joint_motion import JointMotion
-from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, neutral_posture
+from lfdcore.humanoid.baxter import ARM_PARTS
 from lfdcore.humanoid.contact import CLEARANCE, Capsule
 from lfdcore.humanoid.scene import box_of
 from lfdcore.kinematics import SelfCollision
@@ -143,22 +143,6 @@ def test_joints_that_are_too_fast_take_longer(setting: ArmSetting) -> None:
     assert joints is not None
     assert slowdown > 2
     assert np.all(np.abs(joints.velocities) <= setting.chain.velocity * (1 + 1e-9))
-
-
-def test_the_arm_is_a_chain_of_capsules_from_shoulder_to_gripper() -> None:
-    robot = baxter()
-    chain, rng = baxter_arm(robot, "left"), np.random.default_rng(2)
-    positions = rng.uniform(chain.lower, chain.upper, (20, 7))
-    upper, fore, hand = arm_capsules(robot, "left", positions)
-    assert len(ARM_PARTS) == 3
-    np.testing.assert_array_equal(upper.end, fore.begin)
-    np.testing.assert_array_equal(fore.end, hand.begin)
-    for part in (upper, fore, hand):  # links are rigid
-        assert np.ptp(np.linalg.norm(part.end - part.begin, axis=1)) < 1e-9
-    tool = np.array([chain.forward(q) for q in positions])
-    np.testing.assert_allclose(hand.end, tool[:, :3, 3] - 0.08 * tool[:, :3, 2], atol=1e-9)
-    q = neutral_posture(robot)
-    np.testing.assert_allclose(upper.begin[0, 2] - robot.forward(q, "left_upper_shoulder")[2, 3], 0.27, atol=0.02)
 
 
 def test_angles_between_orientations_are_scipys() -> None:
