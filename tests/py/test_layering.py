@@ -63,6 +63,13 @@ def test_a_python_module_imports_only_from_its_own_stage_and_below(path: Path) -
     assert not foreign, f"{path.relative_to(ROOT)} imports {sorted(foreign)}"
 
 
+@pytest.mark.parametrize("name", ["scene", "contact", "baxter", "arm"])
+def test_scene_and_arm_lie_below_the_tasks(name: str) -> None:
+    code = f"import sys, lfdcore.humanoid.{name}; print([m for m in sys.modules if 'covering' in m or 'passing' in m])"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
 def cpp_files() -> list[Path]:
     files = [*ROOT.glob("cpp/include/lfdcore/**/*.hpp"), *ROOT.glob("cpp/src/**/*.?pp")]
     return sorted(p for p in files if "bindings" not in p.parts)

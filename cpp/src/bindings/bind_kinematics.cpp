@@ -23,6 +23,15 @@ Matrix4 link_pose(const RobotModel& model, const Eigen::VectorXd& q, const std::
   return model.forward(q)[static_cast<std::size_t>(at - names.begin())].matrix();
 }
 
+using LinkCapsule = std::tuple<std::string, Eigen::Vector3d, Eigen::Vector3d, double>;
+
+std::vector<LinkCapsule> link_capsules(const RobotModel& model) {
+  std::vector<LinkCapsule> found;
+  for (const Capsule& c : model.capsules())
+    found.emplace_back(model.link_names()[static_cast<std::size_t>(c.link)], c.a, c.b, c.radius);
+  return found;
+}
+
 void bind_chain(py::module_& m) {
   py::class_<KinematicChain>(m, "KinematicChain",
                              "The joints from a base link to a tool, n of them; made by RobotModel.chain().")
@@ -65,8 +74,9 @@ void bind_model(py::module_& m) {
       .def_property_readonly("name", &RobotModel::name)
       .def_property_readonly("joint_names", &RobotModel::joint_names, "N movable joints")
       .def_property_readonly(
-          "collision_shapes", [](const RobotModel& m) { return m.capsules().size(); },
-          "how many spheres, cylinders and boxes its links have; meshes are not read")
+          "collision_shapes", &link_capsules,
+          "(link, begin (3,), end (3,) [m, in the link's frame], radius [m]) of every sphere and of\n"
+          "the capsules that contain cylinders and boxes; meshes are not read")
       .def_property_readonly("link_names", &RobotModel::link_names, "the root first")
       .def_property_readonly("limits", &limit_rows,
                              "(N, 3) lower, upper [rad or m; -inf, inf of a continuous joint], velocity [rad/s or m/s]")

@@ -98,9 +98,12 @@ class RobotModel:
         """
 
     @property
-    def collision_shapes(self) -> int:
+    def collision_shapes(
+        self,
+    ) -> list[tuple[str, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], float]]:
         """
-        how many spheres, cylinders and boxes its links have; meshes are not read
+        (link, begin (3,), end (3,) [m, in the link's frame], radius [m]) of every sphere and of
+        the capsules that contain cylinders and boxes; meshes are not read
         """
 
     @property

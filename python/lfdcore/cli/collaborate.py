@@ -63,8 +63,9 @@ def collaborate(
 
     Where the arm cannot follow, the inferred motion is printed, nothing is written or executed, and the exit code is 1.
     """
-    from lfdcore.datasets.interaction import load_interaction, read_environment
+    from lfdcore.datasets.interaction import load_interaction
     from lfdcore.humanoid.collaboration import CollaborationModel
+    from lfdcore.humanoid.scene import read_environment
 
     _require_options(output, picture, tool, [model_file, observe])
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)
@@ -72,8 +73,8 @@ def collaborate(
     scene = read_environment(environment) if environment is not None else recording.environment
     inference = model.infer(seen, scene if model.environment_names else None)
     facts, robot = _facts(model, inference, seen, scene), _robot(urdf)
-    joints, told = _joints(robot, model, inference, base, tip, tool)
-    facts["arm"] = told
+    joints, outcome = _joints(robot, model, inference, base, tip, tool)
+    facts["arm"] = outcome
     if picture is not None:
         from lfdcore.pictures.collaboration import collaboration_figure
 
@@ -81,7 +82,7 @@ def collaborate(
     aborted = joints is not None and _done(joints, robot, output, execute, facts)
     _print(facts, model, inference, as_json)
     if joints is None:
-        raise ValueError(f"the arm {told}. Nothing was written or executed")
+        raise ValueError(f"the arm {outcome}. Nothing was written or executed")
     if aborted:
         raise typer.Exit(STOPPED)
 
@@ -108,7 +109,7 @@ def _done(joints: JointMotion, robot: RobotModel, output: Path | None, execute: 
     if not execute:
         return False
     execution = _execute(robot, joints)
-    facts["executed"] = _told(execution)
+    facts["executed"] = _execution_words(execution)
     return execution.aborted
 
 
@@ -120,9 +121,9 @@ def _facts(
     heeded = {name: scene[name] for name in model.environment_names}
     return {
         "observed": f"{seen.duration:.2f} s of the partner, {len(seen)} samples",
-        "phase": f"{100 * inference.share:.0f} % of the motion" if known else "not told apart from the start yet",
+        "phase": f"{100 * inference.share:.0f} % of the motion" if known else "not distinguishable from the start yet",
         "duration": f"{inference.duration:.2f} s at the partner's tempo (demonstrated {model.duration:.2f} s)",
-        "environment": ", ".join(f"{name} {_taught(model, name, value)}" for name, value in heeded.items())
+        "environment": ", ".join(f"{name} {_environment_words(model, name, value)}" for name, value in heeded.items())
         or "not heeded",
     }
 
@@ -149,7 +150,7 @@ def _joints(
     if set(model.robot.names) <= set(robot.joint_names):
         return _learned_joints(robot, follow_joints(robot, model.robot.names, time, motion), time[-1])
     arm = follow_gripper(robot, model.robot.names, time, motion, base, tip, tool)
-    return (arm.joints if arm.followed else None), _arm_told(robot, arm)
+    return (arm.joints if arm.followed else None), _arm_words(robot, arm)
 
 
 def _learned_joints(robot: RobotModel, joints: JointMotion, wanted: float) -> tuple[JointMotion | None, str]:
@@ -166,13 +167,13 @@ def _learned_joints(robot: RobotModel, joints: JointMotion, wanted: float) -> tu
 _UNCHECKED = "self-collision was not looked for: the robot has no collision shapes"
 
 
-def _taught(model: CollaborationModel, name: str, value: float) -> str:
-    """A value of the environment, and a warning where nothing like it was taught."""
-    low, high = model.taught(name)
-    return f"{value:g}" if low <= value <= high else f"{value:g} (BEYOND WHAT WAS TAUGHT: {low:g} to {high:g})"
+def _environment_words(model: CollaborationModel, name: str, value: float) -> str:
+    """A value of the environment, and a warning where nothing like it was demonstrated."""
+    low, high = model.demonstrated(name)
+    return f"{value:g}" if low <= value <= high else f"{value:g} (BEYOND THE DEMONSTRATIONS: {low:g} to {high:g})"
 
 
-def _arm_told(robot: RobotModel, arm: ArmMotion) -> str:
+def _arm_words(robot: RobotModel, arm: ArmMotion) -> str:
     from lfdcore.kinematics import FollowConfig
 
     result = arm.result
@@ -199,7 +200,7 @@ def _execute(robot: RobotModel, joints: JointMotion) -> Execution:
         return in_real_time(joints, arm, lambda time: bar.update(task, completed=time))
 
 
-def _told(execution: Execution) -> str:
+def _execution_words(execution: Execution) -> str:
     worst, joint = execution.largest_error
     end = f"; stopped after {execution.ticks[-1].time:.2f} s, it holds where it is" if execution.aborted else ""
     errors = f"tracking error {execution.rms_error:.1e} rad RMS, at most {worst:.1e} ({joint})"

@@ -7,7 +7,7 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.formats import open_log
 from lfdcore.datasets.goals import Goal, Goals, read_goals, write_goals
 from lfdcore.datasets.handovers import KTH_FAULTS, read_dynamic_handovers, read_kth_handovers
-from lfdcore.datasets.interaction import InteractionRecording, environments, load_interaction, read_environment
+from lfdcore.datasets.interaction import InteractionRecording, environments, load_interaction
 from lfdcore.datasets.lasa import Handwriting, read_all_handwriting, read_handwriting
 from lfdcore.datasets.maps import read_map, write_map
 from lfdcore.datasets.motion import full_deflection, joystick_from_motion
@@ -38,7 +38,6 @@ __all__ = [
     "read_carmen",
     "read_drive_log",
     "read_dynamic_handovers",
-    "read_environment",
     "read_goals",
     "read_handwriting",
     "read_kth_handovers",

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.datasets.strict_json import parse_json
 from lfdcore.errors import DataError
 
 Array = NDArray[np.float64]
@@ -30,7 +31,7 @@ VERSION = 1
 LARGEST = 2**28
 """[bytes] of all arrays of one file together; a file that claims more is refused before it is unpacked"""
 LONGEST_GAP = 0.6
-"""[s] without a partner's column that `resample` bridges by a straight line, unless told otherwise"""
+"""[s] without a partner's column that `resample` bridges by a straight line, unless another is given"""
 FARTHEST = 1e6
 """of any value of a recording, in its own unit"""
 _FORMAT = "lfdcore interaction"
@@ -326,7 +327,7 @@ def _member(archive: zipfile.ZipFile, key: str) -> NDArray[Any]:
 
 
 def _header(data: NDArray[Any]) -> dict[str, Any]:
-    said = json.loads(data.tobytes().decode(), object_pairs_hook=_no_duplicates, parse_constant=_no_constant)
+    said = parse_json(data.tobytes().decode())
     if not isinstance(said, dict) or said.pop("format", None) != _FORMAT:
         raise ValueError("is no recording of lfdcore")
     version = said.pop("version", None)
@@ -340,38 +341,3 @@ def _header(data: NDArray[Any]) -> dict[str, Any]:
     if not isinstance(said["metadata"], dict):
         raise ValueError(f"metadata is {_SHORT.repr(said['metadata'])}, must be names and texts")
     return said
-
-
-def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    keys = [key for key, _ in pairs]
-    if len(set(keys)) < len(keys):
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise ValueError(f"key {_SHORT.repr(twice)} comes {keys.count(twice)} times")
-    return dict(pairs)
-
-
-def _no_constant(text: str) -> float:
-    raise ValueError(f"holds {text}, must be finite")
-
-
-def read_environment(path: str | os.PathLike[str]) -> dict[str, float]:
-    """Reads what is known of the scene: a JSON object of names and finite numbers (SI), at least one.
-
-    DataError naming file and key for anything else, also for a name that comes twice; OSError without the file.
-    """
-    path = Path(path)
-    if path.exists() and not path.is_file():
-        raise DataError(f"{path}: is no regular file, so no environment")
-    try:
-        if path.stat().st_size > _LARGEST_JSON:
-            raise ValueError(f"has {path.stat().st_size} bytes, must be <= {_LARGEST_JSON}")
-        text = path.read_bytes().decode()
-        values = require_environment(json.loads(text, object_pairs_hook=_no_duplicates, parse_constant=_no_constant))
-        if not values:
-            raise ValueError("names nothing, must hold at least one number")
-    except (ValueError, RecursionError) as broken:
-        raise DataError(f"{path}: is no environment: {' '.join(str(broken).split())}") from broken
-    return values
-
-
-_LARGEST_JSON = 2**20

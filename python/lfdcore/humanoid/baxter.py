@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.humanoid.covering import Capsule
+from lfdcore.humanoid.contact import Capsule
 from lfdcore.kinematics import InverseKinematics, KinematicChain, RobotModel, SelfCollision
 
 Side = Literal["left", "right"]
@@ -25,8 +25,16 @@ NEUTRAL: dict[Side, tuple[float, ...]] = {
 
 ARM_PARTS = ("upper arm", "forearm", "hand")
 """of arm_capsules"""
+_PART_LINKS = (
+    ("lower_shoulder", "upper_elbow"),
+    ("lower_elbow", "upper_forearm", "lower_forearm"),
+    ("wrist", "gripper_base_link"),
+)
+"""whose collision shapes make up each of ARM_PARTS"""
+_PART_ENDS = ("lower_shoulder", "lower_elbow", "lower_forearm", "hand_link")
+"""links at whose frames each part begins; the last, where the hand's plate is"""
 _HAND = 0.08
-"""[m] beyond the hand's plate that the URDF's gripper body reaches"""
+"""[m] beyond the hand's plate where the hand's capsule ends; the URDF's gripper body goes on to 0.105 m"""
 
 
 def neutral_posture(model: RobotModel) -> NDArray[np.float64]:
@@ -57,17 +65,28 @@ def baxter_arm(model: RobotModel, side: Side, T_hand_tool: NDArray[np.float64] |
 
 
 def arm_capsules(model: RobotModel, side: Side, positions: NDArray[np.float64]) -> tuple[Capsule, ...]:
-    """ARM_PARTS at the arm's joint positions (T, 7) [rad], s0 to w2, with the radii of the URDF's collision shapes: s1
-    to e1, e1 to w1, w1 to the end of the gripper's body (its fingers are not among them) [m, base]."""
+    """ARM_PARTS at the arm's joint positions (T, 7) [rad], s0 to w2: s1 to e1, e1 to w1, w1 to _HAND beyond the plate
+    [m, base], each as thick as the thickest of its links' collision shapes. The gripper's fingers are not among them.
+    ValueError for a robot without these shapes."""
     q, joints = neutral_posture(model), [model.joint_names.index(name) for name in baxter_arm(model, side).joint_names]
-    links = [f"{side}_{name}" for name in ("lower_shoulder", "lower_elbow", "lower_forearm", "hand_link")]
-    ends = np.zeros((len(links), len(positions), 3))
+    ends = np.zeros((len(_PART_ENDS), len(positions), 3))
     for k, row in enumerate(positions):
         q[joints] = row
-        for place, link in enumerate(links):
-            pose = model.forward(q, link)
-            ends[place, k] = pose[:3, 3] + (_HAND * pose[:3, 2] if link.endswith("hand_link") else 0)
-    return tuple(Capsule(ends[k], ends[k + 1], radius) for k, radius in enumerate((0.06, 0.06, 0.045)))
+        for place, link in enumerate(_PART_ENDS):
+            pose = model.forward(q, f"{side}_{link}")
+            ends[place, k] = pose[:3, 3] + (_HAND * pose[:3, 2] if link == "hand_link" else 0)
+    return tuple(Capsule(ends[k], ends[k + 1], radius) for k, radius in enumerate(_part_radii(model, side)))
+
+
+def _part_radii(model: RobotModel, side: Side) -> list[float]:
+    """[m] of ARM_PARTS."""
+    radii = [
+        [radius for link, _, _, radius in model.collision_shapes if link in {f"{side}_{name}" for name in links}]
+        for links in _PART_LINKS
+    ]
+    if not all(radii):
+        raise ValueError(f"the robot's {side} {ARM_PARTS[radii.index([])]} has no collision shapes")
+    return [max(each) for each in radii]
 
 
 def robotiq_tool(length: float = ROBOTIQ_LENGTH) -> NDArray[np.float64]:

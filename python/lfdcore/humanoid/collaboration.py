@@ -156,7 +156,7 @@ class CollaborationModel:
     environment_names: tuple[str, ...]
     """(E,), empty for a plain interaction primitive"""
     reference: Array
-    """(n_ref, n) the partner's mean motion, as densely sampled as the demonstrations: what phases are told by"""
+    """(n_ref, n) the partner's mean motion, as densely sampled as the demonstrations: phases are estimated by it"""
     duration: float
     """[s] mean of the demonstrations"""
     config: CollaborationConfig
@@ -229,20 +229,21 @@ class CollaborationModel:
             "demonstrations": len(self.primitive.parameters),
             "partner": ", ".join(self.partner_names),
             "robot": ", ".join(self.robot.names),
-            "environment": ", ".join(
-                f"{name} {low:g} to {high:g}" for name in self.environment_names for low, high in [self.taught(name)]
-            )
-            or "none: a plain interaction primitive",
+            "environment": ", ".join(map(self._range, self.environment_names)) or "none: a plain interaction primitive",
             "duration": f"{self.duration:.2f} s",
             "observe": f"{self.config.observe}, noise {float(self.primitive.config.noise or 0):.3g}",
         }
 
-    def taught(self, name: str) -> tuple[float, float]:
+    def demonstrated(self, name: str) -> tuple[float, float]:
         """The least and the largest value of the environment in the demonstrations. ValueError for another name."""
         if self.primitive.environment is None or name not in self.environment_names:
             raise ValueError(f"{name} was not learned from: {', '.join(self.environment_names) or 'no environment'}")
         column = self.primitive.environment[:, self.environment_names.index(name)]
         return float(column.min()), float(column.max())
+
+    def _range(self, name: str) -> str:
+        low, high = self.demonstrated(name)
+        return f"{name} {low:g} to {high:g}"
 
     def _environment(self, given: Mapping[str, float] | None) -> Array | None:
         if given is None or not self.environment_names:

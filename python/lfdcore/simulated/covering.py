@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -39,8 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
-from lfdcore.errors import DataError
-from lfdcore.humanoid.covering import BASE_HEIGHT, Box, CoveringVerdict, covering_verdict, standing_box
+from lfdcore.humanoid.scene import Box, box_metadata, environment_of, standing_box
 
 Array = NDArray[np.float64]
 
@@ -56,7 +55,6 @@ SEED = 6
 """of the first of the studies that are reported; chosen before any model was fitted"""
 PARTNER_NAMES = tuple(f"{hand}_hand.{axis}" for hand in ("left", "right") for axis in "xyz")
 ROBOT_NAMES = tuple(f"left_gripper.{axis}" for axis in ("x", "y", "z", "qx", "qy", "qz", "qw"))
-_BOX = "box"
 
 
 @dataclass(frozen=True)
@@ -160,7 +158,7 @@ BOUNDING_BOX = CoveringProtocol(
     placing=0.01,
 )
 """Sec. 5.6.2: stepladder and folding table are named in the text, the other names and all sizes are ours; e is what a
-bounding box seen from the robot tells (here measured, not detected)"""
+bounding box seen from the robot says (here measured, not detected)"""
 
 
 @dataclass(frozen=True)
@@ -229,7 +227,7 @@ def demonstrate_covering(
     """One demonstration: the partner's two hands (T, 6) [m, base; NaN = hidden] and the left gripper's pose (T, 7)
     [m, unit quaternion xyzw], every PERIOD [s] for about 10 s.
 
-    Its environment holds `environment_names` of `scene_of`; its metadata the object's name and `box` (see `box_of`).
+    Its environment holds `environment_names` of `environment_of`; its metadata the object's name and `box_metadata`.
     """
     config, rng = config or CoveringConfig(), np.random.default_rng(seed)
     box = covered.box((PLACE[0], PLACE[1] + float(_clipped(rng, config.placing))))
@@ -238,41 +236,11 @@ def demonstrate_covering(
     u = shared.phase(np.linspace(0, 1, len(stamp)))
     robot = _gripper(u, shared, box, _clipped(rng, config.personal / 3, 2), config.wobble * _unsteady(rng, len(u), 5))
     hands = _tracked(_hands(u, shared, box, rng, config), rng, config)
-    scene = scene_of(box)
-    known = {name: scene[name] for name in environment_names}
-    notes = {"task": "covering", "object": covered.name, _BOX: json.dumps([*box.centre, *box.size, box.yaw])}
+    environment = environment_of(box)
+    known = {name: environment[name] for name in environment_names}
+    notes = {"task": "covering", "object": covered.name, **box_metadata(box)}
     label = f"{covered.name} seed {seed}"
     return InteractionRecording(stamp, hands, robot, PARTNER_NAMES, ROBOT_NAMES, known, notes, label)
-
-
-def scene_of(box: Box) -> dict[str, float]:
-    """All that an environment may hold of an object: object.height, .width, .depth [m], .x, .y [m, base]."""
-    depth, width, _ = box.size
-    x, y, _ = box.centre
-    height = box.top + BASE_HEIGHT
-    names = ("height", "width", "depth", "x", "y")
-    return {f"object.{name}": value for name, value in zip(names, (height, width, depth, x, y), strict=True)}
-
-
-def box_of(recording: InteractionRecording) -> Box:
-    """The object that stood there. DataError where the recording's metadata has none."""
-    try:
-        values = [float(value) for value in json.loads(recording.metadata[_BOX])]
-        return Box((values[0], values[1], values[2]), (values[3], values[4], values[5]), values[6])
-    except (KeyError, ValueError, IndexError, TypeError) as broken:
-        raise DataError(f"{recording.name}: its metadata holds no box: {broken}") from broken
-
-
-def box_from_environment(environment: Mapping[str, float], like: Box) -> Box:
-    """The object that an environment describes; what it leaves open is as in `like`."""
-    scene = {**scene_of(like), **environment}
-    place = (scene["object.x"], scene["object.y"])
-    return standing_box(scene["object.height"], scene["object.width"], scene["object.depth"], place, like.yaw)
-
-
-def judge_covering(recording: InteractionRecording) -> CoveringVerdict:
-    """What `covering_verdict` says of a demonstration's own gripper and object."""
-    return covering_verdict(recording.robot, RIGHT_GRIPPER, box_of(recording))
 
 
 # -- the motions ----------------------------------------------------------------------------------------------------

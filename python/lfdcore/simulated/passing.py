@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
-from lfdcore.humanoid.covering import segment_distance
+from lfdcore.humanoid.contact import segment_distance
 from lfdcore.primitives import dtw_distance
 
 Array = NDArray[np.float64]

@@ -70,7 +70,7 @@ def words(folder: Path, *more: object, model: str = "model") -> list[object]:
 
 
 def failure(err: str) -> str:
-    """The single line that a failure is told in."""
+    """The single line that a failure is reported in."""
     (line,) = [line for line in err.splitlines() if line.startswith("lfdcore: ")]
     assert "Traceback" not in err
     return line
@@ -178,7 +178,7 @@ def test_until_0_heeds_the_first_sample_alone(folder, monkeypatch, capsys) -> No
     code, out, err = run(monkeypatch, capsys, *words(folder)[:-1], "0")
     assert code == 0, err
     assert "0.00 s of the partner, 1 samples" in out
-    assert "not told apart from the start yet" in out
+    assert "not distinguishable from the start yet" in out
 
 
 def test_joints_that_were_learned_are_sent_as_they_are(folder, monkeypatch, capsys, tmp_path) -> None:
@@ -213,7 +213,7 @@ def test_learned_joints_that_bring_links_together_are_not_sent(folder, monkeypat
     assert not (tmp_path / "m.csv").exists()
 
 
-def test_an_unreachable_motion_is_told_in_one_line_and_nothing_is_written(
+def test_an_unreachable_motion_is_reported_in_one_line_and_nothing_is_written(
     folder, monkeypatch, capsys, tmp_path
 ) -> None:
     there = tmp_path / "m.csv"
@@ -223,7 +223,7 @@ def test_an_unreachable_motion_is_told_in_one_line_and_nothing_is_written(
         assert code == 1
         assert failure(err).startswith("lfdcore: the arm cannot follow from sample 0 on: out of reach")
         assert failure(err).endswith("Nothing was written or executed")
-        assert "3.7" in out  # the inferred motion is told all the same
+        assert "3.7" in out  # the inferred motion is printed all the same
     assert there.read_text() == "mine"
     assert json.loads(run(monkeypatch, capsys, *words(folder, "--json", model="far"))[1])["motion"]
 
@@ -272,7 +272,7 @@ def bad(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--observe", "BAD/model.safetensors"], 1, "model.safetensors"),
     ],
 )
-def test_bad_input_is_told_in_one_line(folder, bad, monkeypatch, capsys, flags, code, said) -> None:  # type: ignore[no-untyped-def]
+def test_bad_input_is_reported_in_one_line(folder, bad, monkeypatch, capsys, flags, code, said) -> None:  # type: ignore[no-untyped-def]
     flags = [flag.replace("BAD", str(bad)) for flag in flags]
     got, _, err = run(monkeypatch, capsys, *words(folder), *flags)
     assert got == code, err
@@ -336,7 +336,7 @@ def test_another_robots_urdf_base_and_tip_give_its_joints(ur5, monkeypatch, caps
         np.testing.assert_allclose(place[:3], row[:3], atol=2e-4)
 
 
-def test_a_robot_whose_hand_is_not_told_by_the_columns_needs_a_tip(ur5, monkeypatch, capsys) -> None:
+def test_a_robot_whose_hand_no_column_names_needs_a_tip(ur5, monkeypatch, capsys) -> None:
     code, _, err = run(monkeypatch, capsys, *words(ur5, "--urdf", ur5 / "ur5.urdf", "--base", "l0"))
     assert code == 1
     assert "which hand moves?" in failure(err)
@@ -349,10 +349,10 @@ import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job, as a CI may be, ignores it
 from lfdcore.humanoid import execution
 real = execution.in_real_time
-def told(*arguments):
+def announced(*arguments):
     print("begun", flush=True)
     return real(*arguments)
-execution.in_real_time = told
+execution.in_real_time = announced
 from lfdcore.cli.main import main
 main()
 """
@@ -397,13 +397,13 @@ def test_execution_to_the_end_tells_the_tracking_error(ur5, monkeypatch, capsys)
 
 def test_study_joints_writes_a_report_and_says_who_is_better(monkeypatch, capsys, tmp_path) -> None:
     from lfdcore.simulated.covering import BOUNDING_BOX
-    from lfdcore.study import joint_space
+    from lfdcore.study.joints import study
     from lfdcore.training.collaborations import NoiseChoice
 
     small = dataclasses.replace(BOUNDING_BOX, demonstrations=2, novel=BOUNDING_BOX.novel[-1:])
     quick = NoiseChoice(factors=(1.0,), folds=2, shares=(0.1,))
     monkeypatch.setattr(
-        joint_space, "JointSpaceStudy", functools.partial(joint_space.JointSpaceStudy, protocol=small, choice=quick)
+        study, "JointSpaceStudy", functools.partial(study.JointSpaceStudy, protocol=small, choice=quick)
     )
     more = ("--seeds", "1", "--seed", "100", "--held-out", "1", "--processes", "1")
     code, out, err = run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", *more)

@@ -58,7 +58,7 @@ def test_its_demonstrations_can_be_learned_from_and_collaborated_with(monkeypatc
     code, out, err = run(monkeypatch, capsys, "collaborate", model, *shelf, "--until", "1.5")
     assert code == 0, err
     assert "followed inside all limits" in out
-    assert "BEYOND WHAT WAS TAUGHT: 0.75 to 0.98" in out  # the shelf is higher
+    assert "BEYOND THE DEMONSTRATIONS: 0.75 to 0.98" in out  # the shelf is higher
     code, out, err = run(monkeypatch, capsys, "collaborate", model, *shelf, "--until", "1.5", "--tool", "3")
     assert code == 1
     assert "cannot follow from sample 0 on: out of reach" in err

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lfdcore.datasets import InteractionRecording, environments, load_interaction, read_environment
+from lfdcore.datasets import InteractionRecording, environments, load_interaction
 from lfdcore.errors import DataError
 
 
@@ -338,44 +338,3 @@ def test_paths_that_cannot_hold_a_recording_are_refused(tmp_path: Path) -> None:
         load_interaction(tmp_path / "folder.npz")
     with pytest.raises(FileNotFoundError):
         load_interaction(tmp_path / "none.npz")
-
-
-# -- the environment ------------------------------------------------------------------------------------------------
-
-
-def test_an_environment_is_names_and_numbers(tmp_path: Path) -> None:
-    (tmp_path / "e.json").write_text('{"object.height": 0.8, "object.count": 2}')
-    assert read_environment(tmp_path / "e.json") == {"object.height": 0.8, "object.count": 2.0}
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        ("", "Expecting value"),
-        ("[1]", "must be names and numbers"),
-        ("{}", "must hold at least one number"),
-        ('{"h": 1, "h": 2}', "key 'h' comes 2 times"),
-        ('{"h": NaN}', "holds NaN, must be finite"),
-        ('{"h": -Infinity}', "holds -Infinity"),
-        ('{"h": 1e999}', "environment 'h' is inf, must be finite"),
-        ('{"h": 1' + "0" * 400 + "}", "must be finite and within 1e"),
-        ('{"h": "0.8"}', "environment 'h' is '0.8', must be a number"),
-        ('{"h": true}', "environment 'h' is True, must be a number"),
-        ('{"h": {"a": 1}}', "must be a number"),
-        ('{" ": 1}', "has the name ' '"),
-        ("[" * 100000, "recursion"),
-        ('{"h": 1}' + " " * 2**20, "bytes, must be <= 1048576"),
-    ],
-)
-def test_what_is_no_environment_is_refused_with_file_and_key(tmp_path: Path, text: str, reason: str) -> None:
-    (tmp_path / "e.json").write_text(text)
-    with pytest.raises(DataError, match=rf"e\.json: is no environment: .*{reason}"):
-        read_environment(tmp_path / "e.json")
-
-
-def test_an_environment_in_another_encoding_or_place_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "e.json").write_bytes('{"h": 1}'.encode("utf-16"))
-    with pytest.raises(DataError, match="utf-8"):
-        read_environment(tmp_path / "e.json")
-    with pytest.raises(DataError, match="no regular file"):
-        read_environment(tmp_path)

@@ -1,7 +1,9 @@
 """A gripper's motion as joints: the joints' own forward kinematics says whether it is the same motion."""
 
+import re
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -19,7 +21,17 @@ from lfdcore.humanoid.arm import (
     rotations,
     self_clearance,
 )
-from lfdcore.humanoid.baxter import baxter, baxter_arm, holding_posture, neutral_posture, robotiq_tool
+from lfdcore.humanoid.baxter import (
+    ARM_PARTS,
+    Side,
+    arm_capsules,
+    baxter,
+    baxter_arm,
+    baxter_urdf,
+    holding_posture,
+    neutral_posture,
+    robotiq_tool,
+)
 from lfdcore.kinematics import RobotModel, SelfCollision
 from lfdcore.simulated.covering import RIGHT_GRIPPER, ROBOT_NAMES, CoveredObject, demonstrate_covering
 
@@ -117,7 +129,7 @@ def test_what_is_out_of_reach_is_said_with_its_sample_and_nothing_after_it_is_gi
     assert follow_gripper(ROBOT, one.robot_names, one.stamp, far).joints is None
 
 
-def test_the_hand_is_told_by_the_columns_and_another_must_be_named() -> None:
+def test_the_columns_say_which_hand_it_is_and_another_must_be_named() -> None:
     one = demonstrate_covering(CHAIR, 100)
     right = [name.replace("left", "right") for name in one.robot_names]
     mirrored = one.robot * [1, -1, 1, -1, 1, -1, 1]
@@ -217,3 +229,43 @@ def test_the_holding_arm_is_at_its_place_and_touches_nothing(side, y) -> None:
 def test_a_place_that_cannot_be_held_is_refused() -> None:
     with pytest.raises(ValueError, match="right gripper cannot hold at"):
         holding_posture(ROBOT, "right", (3.0, 0.0, 0.0))
+
+
+def test_the_arm_is_a_chain_of_capsules_from_shoulder_to_gripper() -> None:
+    positions = np.random.default_rng(2).uniform(LEFT.lower, LEFT.upper, (20, 7))
+    upper, fore, hand = arm_capsules(ROBOT, "left", positions)
+    assert len(ARM_PARTS) == 3
+    np.testing.assert_array_equal(upper.end, fore.begin)
+    np.testing.assert_array_equal(fore.end, hand.begin)
+    for part in (upper, fore, hand):  # links are rigid
+        assert np.ptp(np.linalg.norm(part.end - part.begin, axis=1)) < 1e-9
+    tool = np.array([LEFT.forward(q) for q in positions])
+    np.testing.assert_allclose(hand.end, tool[:, :3, 3] - 0.08 * tool[:, :3, 2], atol=1e-9)
+    q = neutral_posture(ROBOT)
+    np.testing.assert_allclose(upper.begin[0, 2] - ROBOT.forward(q, "left_upper_shoulder")[2, 3], 0.27, atol=0.02)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_each_part_is_as_thick_as_the_thickest_of_its_links_in_the_urdf(side: Side) -> None:
+    parts = {
+        "upper arm": {"lower_shoulder", "upper_elbow"},
+        "forearm": {"lower_elbow", "upper_forearm", "lower_forearm"},
+        "hand": {"wrist", "gripper_base_link"},
+    }
+    shapes = [
+        (link.get("name", ""), float(shape.attrib["radius"]))
+        for link in ElementTree.parse(baxter_urdf()).iter("link")
+        for shape in (*link.iter("cylinder"), *link.iter("sphere"))
+    ]
+    capsules = arm_capsules(ROBOT, side, np.zeros((1, 7)))
+    for part, capsule in zip(ARM_PARTS, capsules, strict=True):
+        assert capsule.radius == max(radius for name, radius in shapes if name.removeprefix(f"{side}_") in parts[part])
+
+
+def test_a_thicker_forearm_in_the_urdf_makes_a_thicker_capsule() -> None:
+    text = baxter_urdf().read_text()
+    thicker = RobotModel.from_urdf(text.replace('radius="0.055"', 'radius="0.075"'))
+    assert [c.radius for c in arm_capsules(thicker, "left", np.zeros((1, 7)))] == [0.06, 0.075, 0.045]
+    bare = RobotModel.from_urdf(re.sub(r"<collision>.*?</collision>", "", text, flags=re.DOTALL))
+    with pytest.raises(ValueError, match="the robot's left upper arm has no collision shapes"):
+        arm_capsules(bare, "left", np.zeros((1, 7)))

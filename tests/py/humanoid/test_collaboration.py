@@ -415,9 +415,9 @@ def test_a_file_with_a_flipped_bit_or_cut_short_is_refused(tmp_path: Path) -> No
             CollaborationModel.load(path)
 
 
-def test_the_range_of_what_was_taught_is_told() -> None:
-    low, high = MODEL.taught("height")
+def test_the_range_of_what_was_demonstrated_is_known() -> None:
+    low, high = MODEL.demonstrated("height")
     assert low < 0.8 < high
     assert f"height {low:g} to {high:g}" in MODEL.summary()["environment"]
     with pytest.raises(ValueError, match="width was not learned from: height"):
-        MODEL.taught("width")
+        MODEL.demonstrated("width")

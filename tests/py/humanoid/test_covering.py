@@ -1,131 +1,20 @@
-"""The covering verdict against slow obvious computations, and what must hold of it whatever the motion."""
+"""The covering verdict: what is covered, what touches, and what must hold of it whatever the motion."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
+from sweeps import BOX, RIGHT, boxes, paths, points, sweep
 
-from lfdcore.humanoid.covering import (
-    BASE_HEIGHT,
-    DRAPE,
-    STEP,
-    Box,
-    Capsule,
-    covering_verdict,
-    nearest_approach,
-    segment_box_distance,
-    standing_box,
-)
+from lfdcore.humanoid.contact import Capsule
+from lfdcore.humanoid.covering import DRAPE, covering_verdict
+from lfdcore.humanoid.scene import Box
 
 Array = np.ndarray
 
-RIGHT = (0.72, -0.32, 0.32)
-BOX = standing_box(0.9, 0.4, 0.38, (0.8, 0.27))
-
-coordinates = st.floats(-1.5, 1.5)
-points = st.tuples(coordinates, coordinates, coordinates)
-boxes = st.builds(Box, points, st.tuples(*[st.floats(0.05, 1.0)] * 3), st.floats(-3.2, 3.2))
-paths = arrays(np.float64, (6, 3), elements=coordinates)
-
-
-def sweep(box: Box = BOX, margin: float = 0.12, beyond: float = 0.12, x: float = 0.78, end: float = 0.04) -> Array:
-    """Up beside the box, straight across `margin` above its top, `beyond` it, down to `end` above the top: (60, 3)."""
-    right, left = box.centre[1] - box.size[1] / 2, box.centre[1] + box.size[1] / 2
-    corners = [(right - 0.15, -0.08), (right - 0.15, box.top + margin), (left + beyond, box.top + margin)]
-    corners.append((left + beyond, box.top + end))
-    y, z = np.array(corners).T
-    at = np.linspace(0, 3, 60)
-    return np.stack([np.full(60, x), np.interp(at, np.arange(4), y), np.interp(at, np.arange(4), z)], axis=1)
-
-
-# -- distances ------------------------------------------------------------------------------------------------------
-
-
-def sampled_distance(begin: Array, end: Array, box: Box, count: int = 2001) -> float:
-    """Distance by points along the segment, each clipped into the box: an upper bound."""
-    dense = begin + np.linspace(0, 1, count)[:, None] * (end - begin)
-    cos, sin = np.cos(box.yaw), np.sin(box.yaw)
-    turn = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
-    local = (dense - np.array(box.centre)) @ turn.T
-    half = np.array(box.size) / 2
-    return float(np.linalg.norm(local - np.clip(local, -half, half), axis=1).min())
-
-
-@given(points, points, boxes)
-def test_segment_to_box_is_the_least_distance_of_its_points(begin: tuple, end: tuple, box: Box) -> None:
-    a, b = np.array(begin), np.array(end)
-    (exact,), (at,) = segment_box_distance(a[None], b[None], box)
-    coarse = sampled_distance(a, b, box)
-    assert exact <= coarse + 1e-9
-    assert coarse - exact <= np.linalg.norm(b - a) / 4000 + 1e-9
-    assert 0 <= at <= 1
-    here = a + at * (b - a)
-    assert sampled_distance(here, here, box, 2) == pytest.approx(exact, abs=1e-9)
-
-
-def test_distance_to_a_sampled_surface_agrees() -> None:
-    rng = np.random.default_rng(3)
-    box = Box((0.2, -0.1, 0.3), (0.4, 0.6, 0.8), 0.5)
-    faces = rng.uniform(-0.5, 0.5, (60000, 3))
-    axis = rng.integers(0, 3, len(faces))
-    faces[np.arange(len(faces)), axis] = np.sign(rng.normal(size=len(faces))) * 0.5
-    local = faces * box.size
-    cos, sin = np.cos(box.yaw), np.sin(box.yaw)
-    surface = local @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + np.array(box.centre)
-    for _ in range(20):
-        a, b = rng.uniform(-1.5, 1.5, (2, 3))
-        exact = float(segment_box_distance(a[None], b[None], box)[0][0])
-        along = a + np.linspace(0, 1, 60)[:, None] * (b - a)
-        slow = np.sqrt(((along[:, None] - surface[None, ::6]) ** 2).sum(axis=2)).min()
-        if exact > 0.05:
-            assert exact - 1e-9 <= slow <= exact + 0.03
-
-
-@pytest.mark.parametrize(
-    ("begin", "end", "distance"),
-    [
-        ((-2, 0, 0), (2, 0, 0), 0.0),  # through
-        ((0, 0, 0), (0.1, 0, 0), 0.0),  # wholly inside
-        ((2, 0, 0), (2, 0, 0), 1.5),  # a point
-        ((0.5, 0, 0), (3, 0, 0), 0.0),  # touching a face
-        ((-3, 0, 1), (3, 0, 1), 0.5),  # along a face
-        ((1.5, -3, 1.5), (1.5, 3, 1.5), np.sqrt(2)),  # along an edge
-    ],
-)
-def test_known_distances_to_a_unit_box(begin: tuple, end: tuple, distance: float) -> None:
-    found = segment_box_distance([begin], [end], Box((0, 0, 0), (1, 1, 1)))[0][0]
-    assert found == pytest.approx(distance, abs=1e-12)
-
-
-@given(points, points, boxes)
-def test_the_order_of_the_grippers_does_not_matter(begin: tuple, end: tuple, box: Box) -> None:
-    one, other = (segment_box_distance([a], [b], box)[0][0] for a, b in ((begin, end), (end, begin)))
-    assert one == pytest.approx(other, abs=1e-12)
-
-
 # -- the swept mouth ------------------------------------------------------------------------------------------------
-
-
-@settings(max_examples=30)
-@given(paths, points, boxes)
-def test_the_swept_distance_is_that_of_a_fine_sweep_within_the_stated_bound(
-    path: Array, right: tuple, box: Box
-) -> None:
-    still = np.broadcast_to(right, path.shape)
-    found = nearest_approach(still, path, box)
-    parts = 4000
-    at = np.linspace(0, len(path) - 1, parts)
-    fine = np.stack([np.interp(at, np.arange(len(path)), column) for column in path.T], axis=1)
-    slow = segment_box_distance(np.broadcast_to(right, fine.shape), fine, box)[0].min()
-    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    assert found.distance <= slow + STEP / 2 + 1e-9
-    assert slow <= found.distance + length / parts + 1e-9
-    nearest = np.array([found.point])
-    assert segment_box_distance(nearest, nearest, box)[0][0] == pytest.approx(found.distance, abs=1e-9)
-    assert 0 <= found.sample <= len(path) - 1
 
 
 @given(paths, points, boxes, st.floats(0.2, 1.0), st.floats(0.2, 1.0), st.floats(0.2, 1.0))
@@ -233,7 +122,7 @@ def test_the_clearance_is_2_cm(margin: float, collided: bool) -> None:
     assert verdict.contact.distance == pytest.approx(max(margin, 0), abs=1e-6)
 
 
-def test_where_and_when_it_touches_is_told() -> None:
+def test_where_and_when_it_touches_is_said() -> None:
     low = sweep()
     low[30:33, 2] = BOX.top - 0.05
     contact = covering_verdict(low, RIGHT, BOX).contact
@@ -255,12 +144,9 @@ def test_an_arm_that_touches_counts_and_is_named() -> None:
     assert covering_verdict(path, RIGHT, BOX, links=[free]).success
     verdict = covering_verdict(path, RIGHT, BOX, links=[free, low])
     assert (verdict.collided, verdict.part) == (True, "link 2")
-
-
-def test_a_standing_box_stands_on_the_floor() -> None:
-    box = standing_box(0.75, 0.4, 0.3, (0.8, 0.2))
-    assert box.centre[2] - box.size[2] / 2 == pytest.approx(-BASE_HEIGHT)
-    assert box.top == pytest.approx(0.75 - BASE_HEIGHT)
+    assert (verdict.success, verdict.success_of_mouth) == (False, True)
+    assert verdict.mouth == covering_verdict(path, RIGHT, BOX).contact
+    assert [link.touches for link in verdict.links] == [False, True]
 
 
 def test_further_columns_are_ignored() -> None:
@@ -281,7 +167,7 @@ def test_further_columns_are_ignored() -> None:
         (np.zeros((5, 3)), (0, 0), r"right_gripper has shape \(1, 2\)"),
         (np.zeros((5, 3)), np.zeros((2, 3)), r"right_gripper has shape \(2, 3\)"),
         (np.zeros((5, 3)), (0, 0, np.inf), "right_gripper at sample 0"),
-        (np.array([[0, 0, 0], [1e5, 0, 0]]), RIGHT, "the grippers move 100000 m, must be <= 200 m"),
+        (np.array([[0, 0, 0], [1e5, 0, 0]]), RIGHT, "the segment moves 100000 m, must be <= 200 m"),
     ],
 )
 def test_motions_that_are_none_are_refused(trajectory: Array, right: object, reason: str) -> None:
@@ -289,16 +175,6 @@ def test_motions_that_are_none_are_refused(trajectory: Array, right: object, rea
         covering_verdict(trajectory, right, BOX)  # type: ignore[arg-type]
 
 
-def test_boxes_links_and_bounds_that_cannot_be_are_refused() -> None:
-    with pytest.raises(ValueError, match="box size must be > 0 m, got 0"):
-        Box((0, 0, 0), (1, 0, 1))
-    with pytest.raises(ValueError, match="that are finite"):
-        Box((0, np.nan, 0), (1, 1, 1))
-    with pytest.raises(ValueError, match="radius must be finite and >= 0 m, got -1"):
-        Capsule(sweep(), sweep(), -1)
+def test_a_link_of_other_samples_than_the_trajectory_is_refused() -> None:
     with pytest.raises(ValueError, match="link 1 has 5 samples, must be 60"):
         covering_verdict(sweep(), RIGHT, BOX, links=[Capsule(sweep()[:5], sweep()[:5], 0.1)])
-    with pytest.raises(ValueError, match="clearance must be >= 0 m and step > 0 m"):
-        covering_verdict(sweep(), RIGHT, BOX, clearance=np.nan)
-    with pytest.raises(ValueError, match="at most 1e6 evaluations"):
-        covering_verdict(sweep(), RIGHT, BOX, step=1e-9)

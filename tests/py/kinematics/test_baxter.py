@@ -29,6 +29,20 @@ def test_the_limits_are_those_published() -> None:
     np.testing.assert_allclose(arm.velocity, [1.5] * 4 + [4.0] * 3)
 
 
+def test_collision_shapes_are_those_of_the_urdf_a_cylinder_by_the_ends_of_its_axis() -> None:
+    shapes = {link: (begin, end, radius) for link, begin, end, radius in baxter().collision_shapes}
+    for link, begin, end, radius in (
+        ("head", (-0.02, 0, 0.06), (-0.02, 0, 0.06), 0.2),
+        ("left_lower_elbow", (-0.005, 0, 0), (0.065, 0, 0), 0.06),
+        ("right_gripper_base_link", (0, 0, 0), (0, 0, 0.08), 0.045),
+    ):
+        found = shapes[link]
+        np.testing.assert_allclose(found[0], begin, atol=1e-9)
+        np.testing.assert_allclose(found[1], end, atol=1e-9)
+        assert found[2] == radius
+    assert len(baxter().collision_shapes) == baxter_urdf().read_text().count("<collision>")
+
+
 def published() -> tuple[Any, Path]:
     """pinocchio and example-robot-data's Baxter."""
     pin = pytest.importorskip("pinocchio", reason="needs the packages pin and example-robot-data")

@@ -7,14 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lfdcore.simulated.covering import (
-    BOUNDING_BOX,
-    GROUND_TRUTH,
-    RIGHT_GRIPPER,
-    box_of,
-    covering_data,
-    demonstrate_covering,
-)
+from lfdcore.humanoid.scene import box_of
+from lfdcore.simulated.covering import BOUNDING_BOX, GROUND_TRUTH, RIGHT_GRIPPER, covering_data, demonstrate_covering
 from lfdcore.study.covering.pictures import sweeps_figure
 from lfdcore.study.covering.report import covering_headline, write_covering_report
 from lfdcore.study.covering.study import (

@@ -8,11 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lfdcore.datasets.joint_motion import JointMotion
-from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, neutral_posture
-from lfdcore.humanoid.covering import CLEARANCE, Capsule
+from lfdcore.humanoid.baxter import ARM_PARTS
+from lfdcore.humanoid.contact import CLEARANCE, Capsule
+from lfdcore.humanoid.scene import box_of
 from lfdcore.kinematics import SelfCollision
 from lfdcore.pictures.style import png
-from lfdcore.simulated.covering import BOUNDING_BOX, RIGHT_GRIPPER, box_of, covering_data
+from lfdcore.simulated.covering import BOUNDING_BOX, RIGHT_GRIPPER, covering_data
 from lfdcore.study.joints.pictures import joint_space_figure
 from lfdcore.study.joints.report import (
     QUANTITIES,
@@ -67,7 +68,7 @@ def test_both_spaces_are_judged_on_the_same_people(result: JointSpaceResult) -> 
     assert all(run.demonstrations + run.left_out == 12 for run in result.runs)
 
 
-def test_both_spaces_foretell_about_the_same_motion(result: JointSpaceResult) -> None:
+def test_both_spaces_infer_about_the_same_motion(result: JointSpaceResult) -> None:
     for one in result.trials:
         assert one.position_error < 0.1
         assert one.rotation_error < 0.15
@@ -144,22 +145,6 @@ def test_joints_that_are_too_fast_take_longer(setting: ArmSetting) -> None:
     assert np.all(np.abs(joints.velocities) <= setting.chain.velocity * (1 + 1e-9))
 
 
-def test_the_arm_is_a_chain_of_capsules_from_shoulder_to_gripper() -> None:
-    robot = baxter()
-    chain, rng = baxter_arm(robot, "left"), np.random.default_rng(2)
-    positions = rng.uniform(chain.lower, chain.upper, (20, 7))
-    upper, fore, hand = arm_capsules(robot, "left", positions)
-    assert len(ARM_PARTS) == 3
-    np.testing.assert_array_equal(upper.end, fore.begin)
-    np.testing.assert_array_equal(fore.end, hand.begin)
-    for part in (upper, fore, hand):  # links are rigid
-        assert np.ptp(np.linalg.norm(part.end - part.begin, axis=1)) < 1e-9
-    tool = np.array([chain.forward(q) for q in positions])
-    np.testing.assert_allclose(hand.end, tool[:, :3, 3] - 0.08 * tool[:, :3, 2], atol=1e-9)
-    q = neutral_posture(robot)
-    np.testing.assert_allclose(upper.begin[0, 2] - robot.forward(q, "left_upper_shoulder")[2, 3], 0.27, atol=0.02)
-
-
 def test_angles_between_orientations_are_scipys() -> None:
     a, b = (Rotation.random(30, random_state=k) for k in (1, 2))
     poses = np.tile(np.eye(4), (2, 30, 1, 1))
@@ -167,7 +152,7 @@ def test_angles_between_orientations_are_scipys() -> None:
     np.testing.assert_allclose(rotation_angles(*poses), (a.inv() * b).magnitude(), atol=1e-7)
 
 
-def test_bounds_of_the_study_are_told() -> None:
+def test_bounds_of_the_study_are_kept() -> None:
     for bad in ({"seeds": 0}, {"seed": -1}, {"held_out": 0}, {"few": 0}):
         with pytest.raises(ValueError, match="seeds, held_out and few must be >= 1 and seed >= 0"):
             JointSpaceStudy(**bad)
@@ -184,7 +169,7 @@ def changed(result: JointSpaceResult, space: str, **values: object) -> JointSpac
     return JointSpaceResult(result.study, tuple(runs), result.few)
 
 
-def test_who_is_better_is_told_only_where_it_shows_over_seeds(result: JointSpaceResult) -> None:
+def test_who_is_better_is_said_only_where_it_shows_over_seeds(result: JointSpaceResult) -> None:
     many = JointSpaceResult(result.study, result.runs * 4, result.few)  # 8 seeds
     for space in SPACES:
         worse = changed(many, space, position_error=0.5, covered=False, covered_by_mouth=False)

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse, Patch, Rectangle
 from numpy.typing import NDArray
 
-from lfdcore.humanoid.covering import Box, CoveringVerdict
+from lfdcore.humanoid.covering import CoveringVerdict
+from lfdcore.humanoid.scene import Box
 from lfdcore.pictures.course import CONTACT
 from lfdcore.pictures.style import PAGE, styled
 from lfdcore.simulated.covering import RIGHT_GRIPPER, CoveredObject

@@ -1,9 +1,9 @@
 """Covering furniture with a bag: interaction primitives with (EaIP) and without (IP) a look at the scene (Sec. 5.6).
 
-For each seed, demonstrations are drawn from `covering_task`; EaIP and IP learn from them - the same code, IP without e,
-the noise of both chosen by the same cross-validation - and what they infer with people who were not seen in training is
-judged: is the object covered without a collision, how far is the motion from the final one (all observed) and from the
-held-out demonstration, and what is the partner's motion worth.
+For each seed, demonstrations are drawn from `simulated.covering`. EaIP and IP learn from them: the same code, IP
+without e, the noise of both chosen by the same cross-validation. What they infer with people who were not seen in
+training is judged: is the object covered without a collision, how far is the motion from the final one (all observed)
+and from the held-out demonstration, and what is the partner's motion worth.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
-from lfdcore.humanoid.covering import Box, CoveringVerdict, covering_verdict
+from lfdcore.humanoid.covering import CoveringVerdict, covering_verdict
+from lfdcore.humanoid.scene import Box, box_of
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     GROUND_TRUTH,
@@ -29,7 +30,6 @@ from lfdcore.simulated.covering import (
     CoveringConfig,
     CoveringData,
     CoveringProtocol,
-    box_of,
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs

@@ -128,8 +128,8 @@ def _few_row(label: str, runs: Sequence[JointSpaceRun], space: str) -> Row:
         s = summarise([float(np.mean([quantity.value(one) for one in ones])) for ones in chosen])
         cells.append(f"{s.mean:.1f}" + (f"\n+- {s.sd:.1f}" if s.n > 1 else ""))
     why = Counter(one.outcome.replace("_", " ") for one in every if one.outcome != FOLLOWED)
-    told = "\n".join(f"{count} {outcome}" for outcome, count in why.most_common()) or "-"
-    return (label, str(len(every)), *cells, told, f"{np.degrees(max(one.beyond for one in every)):.1f} degrees")
+    reasons = "\n".join(f"{count} {outcome}" for outcome, count in why.most_common()) or "-"
+    return (label, str(len(every)), *cells, reasons, f"{np.degrees(max(one.beyond for one in every)):.1f} degrees")
 
 
 def nearest_table(result: JointSpaceResult) -> Table:

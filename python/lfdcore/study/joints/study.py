@@ -21,7 +21,8 @@ from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.arm import follow_gripper, follow_joints, gripper_poses, self_clearance
 from lfdcore.humanoid.baxter import ARM_PARTS, arm_capsules, baxter, baxter_arm, holding_posture
 from lfdcore.humanoid.collaboration import CollaborationInference, CollaborationModel
-from lfdcore.humanoid.covering import CLEARANCE, Box, covering_verdict, nearest_approach
+from lfdcore.humanoid.covering import covering_verdict
+from lfdcore.humanoid.scene import Box, box_of
 from lfdcore.kinematics import FollowConfig, KinematicChain, RobotModel
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
@@ -31,7 +32,6 @@ from lfdcore.simulated.covering import (
     SEED,
     CoveringData,
     CoveringProtocol,
-    box_of,
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
@@ -163,7 +163,7 @@ class JointSpaceResult:
 def run_joint_space_study(
     study: JointSpaceStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
 ) -> JointSpaceResult:
-    """Every seed of `study` twice, over processes; progress(done, total) is told after each."""
+    """Every seed of `study` twice, over processes; progress(done, total) is called after each."""
     seeds = range(study.seed, study.seed + study.seeds)
     counts = (study.protocol.demonstrations, study.few)
     runs = run_jobs([JointSpaceJob(study, seed, count) for count in counts for seed in seeds], progress, processes)
@@ -185,8 +185,8 @@ class JointSpaceJob:
         data = covering_data(protocol, self.seed, held_out=self.study.held_out)
         setting = ArmSetting.of(data)
         pairs = [(one, made) for one in data.training if (made := setting.in_joints(one)) is not None]
-        taught = {GRIPPER: [one for one, _ in pairs], JOINTS: [made for _, made in pairs]}
-        models = {space: learn_collaboration(taught[space], choice=self.study.choice) for space in SPACES}
+        training = {GRIPPER: [one for one, _ in pairs], JOINTS: [made for _, made in pairs]}
+        models = {space: learn_collaboration(training[space], choice=self.study.choice) for space in SPACES}
         trials = [
             _trial(self.seed, setting, data.protocol, models[space], space, one, (novel, person))
             for novel, people in ((False, data.known), (True, data.novel))
@@ -195,7 +195,7 @@ class JointSpaceJob:
             for space in SPACES
         ]
         example = list(data.novel.values())[-1][0]
-        shown = _shown(setting, data.protocol, models, taught[JOINTS], example)
+        shown = _shown(setting, data.protocol, models, training[JOINTS], example)
         return JointSpaceRun(self.seed, len(pairs), len(data.training) - len(pairs), tuple(trials), shown)
 
 
@@ -315,15 +315,14 @@ def _judged(setting: ArmSetting, joints: JointMotion | None, box: Box) -> dict[s
         never = dict.fromkeys(("clearance", "mouth", "margin", "speed"), np.nan)
         return {**never, "covered": False, "covered_by_mouth": False, "arm": (np.nan,) * len(ARM_PARTS)}
     links = arm_capsules(setting.robot, "left", joints.positions)
-    verdict = covering_verdict(setting.poses(joints.positions)[:, :3, 3], RIGHT_GRIPPER, box)
-    arm = tuple(nearest_approach(link.begin, link.end, box, radius=link.radius).distance for link in links)
+    verdict = covering_verdict(setting.poses(joints.positions)[:, :3, 3], RIGHT_GRIPPER, box, links=links)
     clearance, _ = self_clearance(setting.robot, joints, setting.posture)
     return {
-        "covered": verdict.success and min(arm) >= CLEARANCE,
-        "covered_by_mouth": verdict.success,
+        "covered": verdict.success,
+        "covered_by_mouth": verdict.success_of_mouth,
         "clearance": clearance,
-        "mouth": verdict.contact.distance,
-        "arm": arm,
+        "mouth": verdict.mouth.distance,
+        "arm": tuple(link.distance for link in verdict.links),
         "margin": -setting.excess(joints.positions),
         "speed": float((np.abs(joints.velocities) / setting.chain.velocity).max()),
     }
@@ -333,7 +332,7 @@ def _shown(
     setting: ArmSetting,
     protocol: CoveringProtocol,
     models: dict[str, CollaborationModel],
-    taught: Sequence[InteractionRecording],
+    training: Sequence[InteractionRecording],
     one: InteractionRecording,
 ) -> ShownArms:
     inferred = {space: _infer(models[space], protocol, one) for space in SPACES}
@@ -346,7 +345,7 @@ def _shown(
         box_of(one),
         tuple(setting.chain.joint_names),
         time,
-        np.array([each.resample(SHOWN, np.inf).robot for each in taught]),
+        np.array([each.resample(SHOWN, np.inf).robot for each in training]),
         {JOINTS: wholes[JOINTS], GRIPPER: by_kinematics},
         _thinned(inferred[JOINTS].robot_deviation()),
         {
