@@ -1,28 +1,34 @@
 """lfdcore study covering, as a user calls it."""
 
 import json
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 from calling import run
 
-from lfdcore.simulated.covering import BOUNDING_BOX, GROUND_TRUTH, covering_data, write_demonstrations
+from lfdcore.simulated.covering import BOUNDING_BOX, GROUND_TRUTH, CoveringProtocol, covering_data, write_demonstrations
 from lfdcore.study.covering import study as covering
 from lfdcore.training.collaborations import NoiseChoice
 
 WORDS = ("study", "covering", "--seeds", "1", "--people", "1", "--seed", "101", "--processes", "1")
 
 
+FEW = {"demonstrations": 3, "novel": GROUND_TRUTH.novel}
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuickStudy(covering.CoveringStudy):
+    """Fewer demonstrations and objects, one setting of the curve."""
+
+    dials: tuple[float, ...] = (0.35,)
+    protocols: tuple[CoveringProtocol, CoveringProtocol] = (replace(GROUND_TRUTH, **FEW), replace(BOUNDING_BOX, **FEW))
+    choice: NoiseChoice = NoiseChoice(factors=(100.0, 1e4), folds=2, shares=(0.4,))
+
+
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer demonstrations and objects, one setting of the curve."""
-    few = {"demonstrations": 3, "novel": GROUND_TRUTH.novel}
-    protocols = (replace(GROUND_TRUTH, **few), replace(BOUNDING_BOX, **few))
-    choice = NoiseChoice(factors=(100.0, 1e4), folds=2, shares=(0.4,))
-    less = partial(covering.CoveringStudy, dials=(0.35,), protocols=protocols, choice=choice)
-    monkeypatch.setattr(covering, "CoveringStudy", less)
+    monkeypatch.setattr(covering, "CoveringStudy", QuickStudy)
 
 
 def test_the_command_writes_a_report_and_names_what_repeats_it(quick, monkeypatch, capsys, tmp_path: Path) -> None:
@@ -36,7 +42,7 @@ def test_the_command_writes_a_report_and_names_what_repeats_it(quick, monkeypatc
     assert code == 0
     said = json.loads(out)
     assert said["report"].endswith("report.html")
-    assert any(row["figure"].startswith("5.6.2: EaIP covers") for row in said["figures"])
+    assert any(aim["figure"].startswith("5.6.2: EaIP covers") for aim in said["aims"])
     assert (tmp_path / "new" / "report.html").read_text() == report
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lfdcore import __version__
 from lfdcore.pictures.style import Picture
+from lfdcore.simulated.covering import covering_data, write_demonstrations
 from lfdcore.study.covering.pictures import (
     dials_figure,
     partners_figure,
@@ -16,7 +16,7 @@ from lfdcore.study.covering.pictures import (
     share_paths_figure,
     sweeps_figure,
 )
-from lfdcore.study.covering.study import METHODS, CoveringResult
+from lfdcore.study.covering.study import METHODS, CoveringResult, CoveringStudy, run_covering_study
 from lfdcore.study.covering.tables import (
     aims,
     aims_table,
@@ -27,7 +27,8 @@ from lfdcore.study.covering.tables import (
     share_errors,
     shares_table,
 )
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.page import Section
+from lfdcore.study.study import Findings, Progress
 
 SYNTHETIC = (
     "Everything here is simulated: people, gloves, demonstrator and objects come from a generator (its formulas stand "
@@ -116,12 +117,9 @@ def covering_sections(result: CoveringResult) -> list[Section]:
     ]
 
 
-def write_covering_report(result: CoveringResult, folder: Path, command: str) -> Path:
-    """Writes report.html and figures.json into `folder` -> the report's path. The same result gives the same bytes."""
-    rows: list[dict[str, object]] = [
-        {"figure": a.label, "wanted": a.wanted, "found": a.found, "reached": a.reached} for a in aims(result)
-    ]
-    rows += [trial.row() for trial in result.trials]
+def figure_rows(result: CoveringResult) -> list[dict[str, object]]:
+    """All figures for machines: trials, then errors by share observed, by partner and by how informative that is."""
+    rows: list[dict[str, object]] = [trial.row() for trial in result.trials]
     for what in ("to_final", "to_demonstration"):
         for form, method in sorted(result.runs[0].errors):
             each = share_errors(result, form, method, what)
@@ -134,8 +132,21 @@ def write_covering_report(result: CoveringResult, folder: Path, command: str) ->
     for dial in result.dials:
         row: dict[str, object] = {"seed": dial.seed, "informative": dial.informative, "personal": dial.personal}
         rows.append(row | {method: errors.tolist() for method, errors in dial.errors.items()})
-    write_figures(folder / "figures.json", rows)
-    seeds = result.study.all_seeds
-    origin = f"lfdcore {__version__}, seeds {seeds[0]}..{seeds[-1]}. Made by: `{command}`"
-    title = "lfdcore: covering with environment-adaptive interaction primitives"
-    return write_report(folder / "report.html", title, covering_sections(result), covering_headline(result), origin)
+    return rows
+
+
+def findings(result: CoveringResult) -> Findings:
+    """Everything that is shown."""
+    return Findings(
+        headline=covering_headline(result),
+        sections=covering_sections(result),
+        rows=figure_rows(result),
+        keys=("seed", "protocol", "form", "method", "covered_object", "novel", "person", "partner"),
+        aims=aims(result),
+    )
+
+
+def run(study: CoveringStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study covering."""
+    write_demonstrations(folder / "demonstrations", covering_data(seed=study.seed, held_out=1))
+    return findings(run_covering_study(study, tell))

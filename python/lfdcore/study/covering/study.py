@@ -9,9 +9,10 @@ and from the held-out demonstration, and what is the partner's motion worth.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Seed, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -56,24 +58,23 @@ EXAMPLE = "stepladder"
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoveringStudy:
-    """What is run. ValueError unless seeds, held_out >= 1 and seed >= 0."""
+class CoveringStudy(Study):
+    """EaIP and IP cover furniture with a simulated partner: success, Fig. 5.9 and 5.13-5.17, what the partner is worth.
 
-    seeds: int = 10
-    seed: int = SEED
-    """of the first"""
-    held_out: int = 5
-    """people who were not seen in training, for each object"""
+    Writes one repetition's demonstrations too.
+    """
+
+    name = "covering"
+    title = "covering with environment-adaptive interaction primitives"
+
+    seeds: Annotated[int, Option("Repetitions with demonstrations of their own, from --seed on.", minimum=1)] = 10
+    held_out: Annotated[int, Option("Unseen people an object and repetition.", minimum=1, flag="--people")] = 5
+    seed: Seed = SEED
     dials: tuple[float, ...] = DIALS
     protocols: tuple[CoveringProtocol, CoveringProtocol] = (GROUND_TRUTH, BOUNDING_BOX)
     """that of Sec. 5.6.1, over which the dials are turned too, and that of 5.6.2"""
     choice: NoiseChoice = field(default_factory=NoiseChoice)
     """of the noise, for both methods; the dials have CURVE_CHOICE"""
-
-    def __post_init__(self) -> None:
-        if self.seeds < 1 or self.held_out < 1 or self.seed < 0:
-            given = f"{self.seeds}, {self.held_out} and {self.seed}"
-            raise ValueError(f"seeds and held_out must be >= 1 and seed >= 0, got {given}")
 
     @property
     def all_seeds(self) -> range:
@@ -182,15 +183,13 @@ class CoveringResult:
         return [run for run in self.runs if run.protocol == protocol]
 
 
-def run_covering_study(
-    study: CoveringStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> CoveringResult:
+def run_covering_study(study: CoveringStudy, tell: Progress = silent) -> CoveringResult:
     """Learns and judges over processes; the same study gives the same result whatever their number."""
     longest_first = reversed(study.protocols)
     runs = [_Job(study, seed, protocol) for protocol in longest_first for seed in study.all_seeds]
     dials = [_Dial(study, seed, i, own) for i in study.dials for own in (True, False) for seed in study.all_seeds]
     jobs: list[_Job | _Dial] = [*runs, *dials]
-    done = run_jobs(jobs, progress, processes)
+    done = run_jobs(jobs, partial(tell, "learn and judge"), study.processes)
     return CoveringResult(
         study,
         tuple(one for one in done if isinstance(one, CoveringRun)),

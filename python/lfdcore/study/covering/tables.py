@@ -22,7 +22,8 @@ from lfdcore.study.covering.study import (
     DialRun,
 )
 from lfdcore.study.report.aims import Aim
-from lfdcore.study.report.statistics import Summary, paired_test, proportion, summarise
+from lfdcore.study.report.cells import figure_cell, mean_cell, p_cell, share_cell
+from lfdcore.study.report.statistics import paired_test, summarise
 from lfdcore.study.report.table import Row, Table
 
 Floats = NDArray[np.float64]
@@ -36,9 +37,7 @@ CAUGHT_UP = 1.15
 
 
 def _share(found: Sequence[bool]) -> str:
-    count = int(sum(found))
-    share, low, high = proportion(count, len(found))
-    return f"{count} of {len(found)}\n{100 * share:.0f} % [{100 * low:.0f}, {100 * high:.0f}]"
+    return share_cell(sum(found), len(found))
 
 
 def _some(trials: Iterable[CoveringTrial], **wanted: object) -> list[CoveringTrial]:
@@ -139,7 +138,7 @@ def shares_table(result: CoveringResult) -> Table:
         for form in FORMS:
             for method in METHODS:
                 errors = 100 * share_errors(result, form, method, what)
-                cells = [_interval(summarise(errors[:, SHARES.index(share)])) for share in SHOWN]
+                cells = [mean_cell(errors[:, SHARES.index(share)], 2, with_sd=False) for share in SHOWN]
                 rows.append((f"{title}, {method}, {form}", *cells))
     return Table(
         f"RMSE [cm] of the left gripper's position by share observed, protocol 5.6.2 (n = {result.study.seeds} seeds)",
@@ -148,12 +147,6 @@ def shares_table(result: CoveringResult) -> Table:
         "At the same shares of both motions; mean of all objects and people, and Student's 95 % interval over seeds. "
         "3 %: at least 10 samples. " + _reached_text(result),
     )
-
-
-def _interval(s: Summary, digits: int = 2) -> str:
-    if s.n < 2:
-        return f"{s.mean:.{digits}f}"
-    return f"{s.mean:.{digits}f}\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]"
 
 
 def reached_at(errors: Floats, level: float) -> float:
@@ -191,7 +184,7 @@ def partner_table(result: CoveringResult) -> Table:
     for protocol in result.study.protocols:
         runs = result.of(protocol)
         own = 100 * np.array([run.partners[OWN] for run in runs])
-        rows.append((f"{protocol.name}, {OWN}: RMSE", *(_interval(summarise(column)) for column in own.T)))
+        rows.append((f"{protocol.name}, {OWN}: RMSE", *(mean_cell(column, 2, with_sd=False) for column in own.T)))
         for partner in (NOBODY, STRANGER, SHUFFLED):
             other = 100 * np.array([run.partners[partner] for run in runs])
             rows.append((f"{protocol.name}, {partner}", *(_worse(a, b) for a, b in zip(own.T, other.T, strict=True))))
@@ -207,9 +200,8 @@ def partner_table(result: CoveringResult) -> Table:
 
 def _worse(own: Floats, other: Floats) -> str:
     s = summarise(other - own)
-    if s.n < 2:
-        return f"{s.mean:+.2f}"
-    return f"{s.mean:+.2f}\n[{s.low:+.2f}, {s.high:+.2f}]\np {paired_test(own, other).p:.3f}"
+    difference = figure_cell(s.mean, s.low, s.high, digits=2, sign="+")
+    return difference if s.n < 2 else f"{difference}\np {p_cell(paired_test(own, other).p)}"
 
 
 def dial_errors(result: CoveringResult, dial: float, personal: bool, method: str) -> Floats:
@@ -227,7 +219,7 @@ def dial_table(result: CoveringResult) -> Table:
     for personal in (True, False):
         for dial in result.study.dials:
             eaip, ip = (dial_errors(result, dial, personal, method) for method in METHODS)
-            ratios = [_interval(summarise(column)) for column in (ip / eaip).T]
+            ratios = [mean_cell(column, 2, with_sd=False) for column in (ip / eaip).T]
             rows.append((f"informative {dial:g}{'' if personal else ', people alike'}", *ratios))
     return Table(
         f"IP's RMSE over EaIP's, by how informative the partner is (protocol 5.6.1, n = {result.study.seeds} seeds)",
@@ -271,7 +263,7 @@ def _success_aims(result: CoveringResult) -> list[Aim]:
         trials = _some(result.trials, protocol=protocol.name, form="positions")
         for novel, name in ((False, "known"), (True, "novel")):
             good = float(np.mean([t.whole.success for t in _some(trials, method="EaIP", novel=novel)]))
-            found.append(Aim(f"{protocol.name}: EaIP covers, {name} objects (share)", "1", good, 3, good == 1))
+            found.append(Aim.between(1, 1, f"{protocol.name}: EaIP covers, {name} objects (share)", good, 3))
         for one in (*protocol.training, *protocol.novel):
             if one.height >= LARGER:
                 mine = _some(trials, method="IP", covered_object=one.name)
@@ -287,7 +279,7 @@ def _share_aims(result: CoveringResult) -> list[Aim]:
         early = share_errors(result, "positions", "EaIP", what)[:, SHARES.index(0.1)].mean()
         late = share_errors(result, "positions", "IP", what)[:, SHARES.index(0.7)].mean()
         ratio = float(early / late)
-        found.append(Aim(f"RMSE to the {title}: EaIP at 10 % over IP at 70 %", "<= 1", ratio, 2, ratio <= 1))
+        found.append(Aim.at_most(1, f"RMSE to the {title}: EaIP at 10 % over IP at 70 %", ratio, 2))
     return found
 
 

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
+from lfdcore.pictures.style import PAGE, styled
 from lfdcore.simulated.covering import RIGHT_GRIPPER
 from lfdcore.study.joints.study import GRIPPER, JOINTS, SPACES, JointSpaceRun, ShownArms
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 COLOURS = {JOINTS: "#c2410c", GRIPPER: "#1d4ed8"}
 _STYLES = {JOINTS: "-", GRIPPER: "--"}
 
 
+@styled
 def joint_space_figure(run: JointSpaceRun) -> Figure:
     """A person at the protocol's last novel object: seven joints over time, then the gripper from behind the robot and
     from above."""
-    from matplotlib.figure import Figure
-
     shown = run.shown
-    figure = Figure(figsize=(12, 9), layout="constrained")
+    figure = Figure(figsize=(PAGE, 0.8 * PAGE), layout="constrained")
     axes = figure.subplots(3, 3).ravel()
     for k, name in enumerate(shown.names):
         _joint(axes[k], shown, k, name)
@@ -48,14 +45,12 @@ def _joint(axes: Axes, shown: ShownArms, joint: int, name: str) -> None:
     for space in SPACES:
         values = shown.joints[space][:, joint]
         axes.plot(share, values, _STYLES[space], color=COLOURS[space], linewidth=1.6, label=labels[space])
-    axes.set_title(name, fontsize=10)
+    axes.set_title(name)
     axes.set_xlabel("share of the motion")
     axes.set_ylabel("[rad]")
 
 
 def _paths(axes: Axes, shown: ShownArms, columns: tuple[int, int], title: str) -> None:
-    from matplotlib.patches import Rectangle
-
     across, up = columns
     corner = [shown.box.centre[k] - shown.box.size[k] / 2 for k in columns]
     size = [shown.box.size[k] for k in columns]
@@ -67,7 +62,7 @@ def _paths(axes: Axes, shown: ShownArms, columns: tuple[int, int], title: str) -
         path = shown.paths[space]
         axes.plot(path[:, across], path[:, up], _STYLES[space], color=COLOURS[space], linewidth=1.6)
     _frame(axes, shown, columns)
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title)
     axes.set_xlabel(f"{'xyz'[across]} [m]")
     axes.set_ylabel(f"{'xyz'[up]} [m]")
 

@@ -9,14 +9,25 @@ from pathlib import Path
 
 import numpy as np
 
-from lfdcore import __version__
 from lfdcore.humanoid.baxter import ARM_PARTS
 from lfdcore.pictures.style import Picture
 from lfdcore.study.joints.pictures import joint_space_figure
-from lfdcore.study.joints.study import FOLLOWED, GRIPPER, JOINTS, SPACES, ArmTrial, JointSpaceResult, JointSpaceRun
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.joints.study import (
+    FOLLOWED,
+    GRIPPER,
+    JOINTS,
+    SPACES,
+    ArmTrial,
+    JointSpaceResult,
+    JointSpaceRun,
+    JointSpaceStudy,
+    run_joint_space_study,
+)
+from lfdcore.study.report.cells import figure_cell, p_cell, summary_cell
+from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import PairedTest, paired_test, summarise, summarise_bounded
 from lfdcore.study.report.table import Row, Table
+from lfdcore.study.study import Findings, Progress
 
 KINDS = {"known objects": False, "novel objects": True}
 
@@ -77,7 +88,7 @@ def comparison_table(result: JointSpaceResult, kind: str) -> Table:
         f"({result.study.seed} to {result.study.seed + len(result.runs) - 1})",
         ("", JOINTS, GRIPPER, "difference", "p"),
         rows,
-        "Below each mean: +- standard deviation over seeds and the 95 % interval of the mean; p: Wilcoxon's signed "
+        "Mean+-standard deviation over seeds, below it the 95 % interval of the mean; p: Wilcoxon's signed "
         f"rank over seeds, 1 where they do not differ. Inferred from {result.study.protocol.observed:g} s of the "
         "partner and e. Errors are of the whole motion to the held-out demonstration's, which holds its demonstrator's "
         "own unsteadiness; all else of what is left from the observation's end on, through forward kinematics of the "
@@ -90,16 +101,9 @@ def _comparison_row(result: JointSpaceResult, novel: bool, quantity: Quantity) -
     cells = []
     for space in SPACES:
         s = (summarise_bounded if quantity.bounded else summarise)(_by_seed(result, space, novel, quantity))
-        d = quantity.digits
-        cells.append(
-            f"{s.mean:.{d}f}\n+- {s.sd:.{d}f} [{s.low:.{d}f}, {s.high:.{d}f}]" if s.n > 1 else f"{s.mean:.{d}f}"
-        )
+        cells.append(summary_cell(s, quantity.digits))
     test = compared(result, novel, quantity)
-    return (quantity.label, *cells, f"{test.difference:+.{quantity.digits}f}", _p(test.p))
-
-
-def _p(p: float) -> str:
-    return "-" if np.isnan(p) else f"{p:.3f}"
+    return (quantity.label, *cells, figure_cell(test.difference, digits=quantity.digits, sign="+"), p_cell(test.p))
 
 
 def few_table(result: JointSpaceResult) -> Table:
@@ -114,7 +118,7 @@ def few_table(result: JointSpaceResult) -> Table:
         f"What little teaches ({len(result.runs)} seeds, all objects)",
         ("demonstrations", "n", "gripper off [mm]", "covered [%]", "not sent [%]", "why not", "beyond limits"),
         tuple(rows),
-        "Means over seeds and +- their standard deviation. Not sent: joints outside their position limits or links "
+        "Means over seeds+-their standard deviation. Not sent: joints outside their position limits or links "
         "that touch in joint space; in Cartesian space also poses out of reach or without a continuous way of the "
         "joints. Beyond limits: how far the farthest inferred joint is outside them, in any motion.",
     )
@@ -126,7 +130,7 @@ def _few_row(label: str, runs: Sequence[JointSpaceRun], space: str) -> Row:
     cells = []
     for quantity in (QUANTITIES[0], QUANTITIES[2], _NOT_SENT):
         s = summarise([float(np.mean([quantity.value(one) for one in ones])) for ones in chosen])
-        cells.append(f"{s.mean:.1f}" + (f"\n+- {s.sd:.1f}" if s.n > 1 else ""))
+        cells.append(figure_cell(s.mean, digits=1, sd=s.sd))
     why = Counter(one.outcome.replace("_", " ") for one in every if one.outcome != FOLLOWED)
     reasons = "\n".join(f"{count} {outcome}" for outcome, count in why.most_common()) or "-"
     return (label, str(len(every)), *cells, reasons, f"{np.degrees(max(one.beyond for one in every)):.1f} degrees")
@@ -220,29 +224,35 @@ def joint_space_headline(result: JointSpaceResult) -> str:
     )
 
 
-def write_joint_space_report(result: JointSpaceResult, folder: Path, command: str) -> Path:
-    """Writes report.html and figures.json into `folder` -> the report's path. The same result gives the same bytes, but
-    for the times."""
+def findings(result: JointSpaceResult) -> Findings:
+    """Everything that is shown; the same result gives the same, but for the times."""
     counts = [run.demonstrations for run in result.runs]
     left_out = sum(run.left_out for run in result.runs)
     text = (
-        "Demonstrations of the covering task (Sec. 5.6.2; simulated people, docs of the generator in "
-        "simulated/covering) are learned from twice: as poses of the left gripper, and as the seven joint angles that "
-        "follow those poses by inverse kinematics from one first posture, the right arm holding the bag. "
+        "Two models learn from the same demonstrations of the covering task (Sec. 5.6.2; the people are simulated, "
+        "simulated/covering.py says how). One learns poses of the left gripper. The other learns the seven joint "
+        "angles that follow those poses by inverse kinematics from one first posture, the right arm holding the bag. "
         f"{min(counts)} to {max(counts)} demonstrations a seed; {left_out} that the arm cannot follow were left out of "
         "both. Real demonstrators lead an arm less evenly than inverse kinematics does: joint space is flattered here."
     )
-    run = result.runs[0]
+    rounds = ((result.study.protocol.demonstrations, result.runs), (result.study.few, result.few))
+    return Findings(
+        headline=joint_space_headline(result),
+        sections=[Section("Joint space or Cartesian?", text, joint_space_tables(result), [_picture(result.runs[0])])],
+        rows=[{"demonstrations": n, **one.row()} for n, runs in rounds for run in runs for one in run.trials],
+        keys=("demonstrations", "seed", "space", "covered_object", "novel", "person"),
+    )
+
+
+def _picture(run: JointSpaceRun) -> Picture:
     caption = (
         f"Seed {run.seed}, {run.shown.covered_object} (novel), the first person: seven joints as demonstrated, as "
         "inferred in joint space, and by inverse kinematics of what was inferred in Cartesian space; below, the "
         "gripper's paths."
     )
-    pictures = [Picture(joint_space_figure(run), caption)]
-    section = Section("Joint space or Cartesian?", text, joint_space_tables(result), pictures)
-    rounds = ((result.study.protocol.demonstrations, result.runs), (result.study.few, result.few))
-    rows = [{"demonstrations": n, **one.row()} for n, runs in rounds for run in runs for one in run.trials]
-    write_figures(folder / "figures.json", rows)
-    origin = f"lfdcore {__version__}, seed {result.study.seed}. Made by: `{command}`"
-    lead = joint_space_headline(result)
-    return write_report(folder / "report.html", "lfdcore: joint-space primitives", [section], lead, origin)
+    return Picture(joint_space_figure(run), caption)
+
+
+def run(study: JointSpaceStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study joints."""
+    return findings(run_joint_space_study(study, tell))

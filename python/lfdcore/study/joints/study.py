@@ -8,10 +8,11 @@ not seen in training, and e; judged through the forward kinematics of the joints
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Seed, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -47,24 +49,25 @@ SHOWN = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class JointSpaceStudy:
-    """What is run. ValueError unless seeds, held_out, few >= 1 and seed >= 0."""
+class JointSpaceStudy(Study):
+    """The covering task learned as joint angles and as gripper poses: paths, limits, collisions, time."""
 
+    name = "joints"
+    title = "joint-space primitives"
+
+    seeds: Annotated[int, Option("Repetitions with people of their own, from --seed on.", minimum=1)] = 10
+    held_out: Annotated[int, Option("People who are not learned from, at each object.", minimum=1)] = 3
+    seed: Seed = SEED
     protocol: CoveringProtocol = BOUNDING_BOX
-    seeds: int = 10
-    seed: int = SEED
-    """of the first"""
-    held_out: int = 3
-    """people who were not seen in training, for each object"""
     few: int = 2
     """demonstrations of each object in a second round: what does each space make of little?"""
     choice: NoiseChoice = dataclasses.field(default_factory=NoiseChoice)
     """of the noise, for each space by itself"""
 
     def __post_init__(self) -> None:
-        if min(self.seeds, self.held_out, self.few) < 1 or self.seed < 0:
-            given = f"{self.seeds}, {self.held_out}, {self.few} and {self.seed}"
-            raise ValueError(f"seeds, held_out and few must be >= 1 and seed >= 0, got {given}")
+        super().__post_init__()
+        if self.few < 1:
+            raise ValueError(f"few is {self.few}, must be at least 1")
 
 
 @dataclass(frozen=True)
@@ -160,13 +163,12 @@ class JointSpaceResult:
         return [trial for run in self.runs for trial in run.trials]
 
 
-def run_joint_space_study(
-    study: JointSpaceStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> JointSpaceResult:
-    """Every seed of `study` twice, over processes; progress(done, total) is called after each."""
+def run_joint_space_study(study: JointSpaceStudy, tell: Progress = silent) -> JointSpaceResult:
+    """Every seed of `study` twice, over processes."""
     seeds = range(study.seed, study.seed + study.seeds)
     counts = (study.protocol.demonstrations, study.few)
-    runs = run_jobs([JointSpaceJob(study, seed, count) for count in counts for seed in seeds], progress, processes)
+    jobs = [JointSpaceJob(study, seed, count) for count in counts for seed in seeds]
+    runs = run_jobs(jobs, partial(tell, "learn and judge, seed by seed"), study.processes)
     return JointSpaceResult(study, runs[: study.seeds], runs[study.seeds :])
 
 

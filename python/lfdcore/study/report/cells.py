@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import isnan, nan
+
+from numpy.typing import ArrayLike
 
 from lfdcore.study.report.statistics import Summary, proportion, summarise, summarise_bounded
 
@@ -30,7 +31,7 @@ def summary_cell(s: Summary, digits: int, *, with_sd: bool = True, least: float 
     return cell + (f"\nn {s.n}" if s.missing and s.n > 1 else "")
 
 
-def mean_cell(values: Sequence[float], digits: int, bounded: bool = False, *, with_sd: bool = True) -> str:
+def mean_cell(values: ArrayLike, digits: int, bounded: bool = False, *, with_sd: bool = True) -> str:
     """mean+-sd of what cannot be negative, and below it the 95 % interval of the mean; bounded: a count or a share,
     whose interval is a bootstrap's."""
     return summary_cell(summarise_bounded(values) if bounded else summarise(values), digits, with_sd=with_sd, least=0.0)
