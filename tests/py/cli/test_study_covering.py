@@ -16,6 +16,8 @@ WORDS = ("study", "covering", "--seeds", "1", "--people", "1", "--seed", "101", 
 
 FEW = {"demonstrations": 3, "novel": GROUND_TRUTH.novel}
 
+QUICK = NoiseChoice(factors=(100.0, 1e4), folds=2, shares=(0.4,))
+
 
 @dataclass(frozen=True, kw_only=True)
 class QuickStudy(covering.CoveringStudy):
@@ -23,7 +25,7 @@ class QuickStudy(covering.CoveringStudy):
 
     dials: tuple[float, ...] = (0.35,)
     protocols: tuple[CoveringProtocol, CoveringProtocol] = (replace(GROUND_TRUTH, **FEW), replace(BOUNDING_BOX, **FEW))
-    choice: NoiseChoice = NoiseChoice(factors=(100.0, 1e4), folds=2, shares=(0.4,))
+    choice: NoiseChoice = QUICK
 
 
 @pytest.fixture
