@@ -154,6 +154,12 @@ def test_further_columns_are_ignored() -> None:
     assert covering_verdict(pose, RIGHT, BOX).success
 
 
+def test_an_arm_inside_the_object_collides_however_small_the_clearance() -> None:
+    path, middle = sweep(), np.tile(BOX.centre, (60, 1))
+    verdict = covering_verdict(path, RIGHT, BOX, clearance=0, links=[Capsule(middle, middle, 0.05)])
+    assert (verdict.collided, verdict.success_of_mouth) == (True, True)
+
+
 # -- bad input ------------------------------------------------------------------------------------------------------
 
 

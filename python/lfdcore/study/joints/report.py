@@ -147,8 +147,8 @@ def nearest_table(result: JointSpaceResult) -> Table:
         "What comes nearest to the object, share of the motions; its smallest distance in any [mm]",
         ("", "n", "mouth", *ARM_PARTS),
         tuple(rows),
-        "The left arm as capsules of the URDF's radii up to the end of the gripper's body, 8 cm beyond the hand's "
-        "plate; the fingers hold the mouth and are not among them.",
+        "The left arm as capsules of the URDF's radii up to 8 cm beyond the hand's plate. What lies beyond is not "
+        "among them: 2.5 cm of the gripper's body, and the fingers, which hold the mouth.",
     )
 
 
