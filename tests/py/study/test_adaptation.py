@@ -8,14 +8,13 @@ import pytest
 
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2, Twist2
+from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import hall, office
-from lfdcore.simulated.drivers import AbleDriver
 from lfdcore.simulation import DrivingWorld
 from lfdcore.study.adaptation.report import adaptation_figure, adaptation_table, ratio_rows
 from lfdcore.study.adaptation.study import (
     AdaptationRun,
     AdaptationStudy,
-    BiasedDriver,
     angle_errors,
     pooled_ratio,
     run_adaptation_study,
@@ -75,20 +74,6 @@ def test_a_drive_that_ends_before_it_is_judged_is_refused(heatmap_model: Path) -
     study = AdaptationStudy(courses=(hall(),), model=heatmap_model, biases=(0.0,), drivers=1, after=300.0)
     with pytest.raises(ValueError, match=r"drive of hall took \d+ s, must be over 300"):
         run_adaptation_study(study, processes=1)
-
-
-def test_a_biased_driver_means_what_an_able_one_means_and_points_beside_it() -> None:
-    able, biased = AbleDriver(office()), BiasedDriver(office(), 0.3)
-    start = office().start
-    for tick in range(20):
-        meant = able.act(tick / 10, start, Twist2(), False).desired
-        given = biased.act(tick / 10, start, Twist2(), False)
-        np.testing.assert_array_equal(given.desired, meant)
-        turned = math.atan2(given.joystick[1], given.joystick[0]) - math.atan2(meant[1], meant[0])
-        assert turned == pytest.approx(0.3)
-    for bias in (2.0, math.nan):
-        with pytest.raises(ValueError, match="bias is"):
-            BiasedDriver(office(), bias)
 
 
 def test_angle_errors_go_across_the_rear_too() -> None:

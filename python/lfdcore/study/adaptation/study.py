@@ -8,7 +8,6 @@ same ticks, those later than `after` seconds.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.errors import ModelError
-from lfdcore.geometry import Pose2, Twist2, wrap_angle
+from lfdcore.geometry import wrap_angle
+from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import Course
-from lfdcore.simulated.drivers import AbleConfig, AbleDriver, DriverInput, able_population
+from lfdcore.simulated.drivers import AbleConfig, able_population
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels
@@ -37,24 +37,6 @@ STAGES = ("before", "then", "adapting")
 """The trained model, the one of `after` seconds, the one of each tick."""
 AT_REST = 0.05
 """A stick displaced less than this has no orientation to err by."""
-
-
-class BiasedDriver(AbleDriver):
-    """An able driver whose stick points `bias` [rad, positive = left] beside what is meant."""
-
-    name = "biased"
-
-    def __init__(self, course: Course, bias: float, config: AbleConfig | None = None) -> None:
-        if not abs(bias) < math.pi / 2:  # NaN too
-            raise ValueError(f"bias is {bias} rad, must lie within pi / 2 of 0")
-        super().__init__(course, config)
-        self.bias = bias
-
-    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
-        """The stick now, as in Driver.act: desired as meant, joystick beside it."""
-        meant = super().act(stamp, pose, twist, in_contact).desired
-        c, s = math.cos(self.bias), math.sin(self.bias)
-        return DriverInput(np.array([c * meant[0] - s * meant[1], s * meant[0] + c * meant[1]]).clip(-1, 1), meant)
 
 
 class _Watched:
