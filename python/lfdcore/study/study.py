@@ -28,6 +28,11 @@ def silent(stage: str, done: int, total: int) -> None:
     """Reports to nobody."""
 
 
+def under(tell: Progress, title: str) -> Progress:
+    """As `tell`, each stage named after `title`."""
+    return lambda stage, done, total: tell(f"{title}: {stage}", done, total)
+
+
 Row = Mapping[str, object]
 FIGURES, REPORT = "figures.json", "report.html"
 
