@@ -1,4 +1,4 @@
-"""lfdcore study adaptation and backwards, as a user calls them."""
+"""lfdcore study adaptation, backwards and learning-curve, as a user calls them."""
 
 import json
 from pathlib import Path
@@ -70,6 +70,12 @@ def test_wrong_use_is_refused_before_anything_is_driven(words, said, tmp_path, m
     code, out, err = run(monkeypatch, capsys, "study", *words, "-o", tmp_path / "out")
     assert code in (1, 2) and said in err and out == ""
     assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_learning_curve_refuses_words_for_numbers_and_leaves_no_folder(tmp_path, monkeypatch, capsys):
+    code, out, err = run(monkeypatch, capsys, "study", "learning-curve", "-o", tmp_path / "out", "--runs", "five")
+    assert code == 1 and "'five'" in err and out == ""
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("study", ["adaptation", "backwards"])
