@@ -28,9 +28,9 @@ TOLERANCE = 0.002
 def train(folder: Path, tell: Stages) -> dict[str, Path]:
     """Demonstrates and learns in `folder` -> where each model lies, by the name of its file in the package."""
     primitives = learn_from_demonstrations(folder, SEED, progress=tell.step("primitives"))
-    heatmaps = learn_heatmaps_from_demonstrations(folder, SEED, under("heatmaps", tell))
+    heatmaps = learn_heatmaps_from_demonstrations(folder, SEED, under(tell, "heatmaps"))
     mazes = [open_log(path) for path in sorted(folder.glob("maze-*.mcap"))]
-    naive = learn_naive(folder, mazes, under("naive", tell))
+    naive = learn_naive(folder, mazes, under(tell, "naive"))
     return {PRIMITIVES.name: primitives, HEATMAPS.name: heatmaps, NAIVE.name: naive}
 
 

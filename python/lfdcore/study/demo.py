@@ -57,7 +57,7 @@ def run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
 def _of_trained_models(seed: int, folder: Path, models: StudyModels, tell: Progress) -> list[Section]:
     """The naive network learns from the demonstrations that the heatmaps were learned from."""
     mazes = sorted(folder.glob("maze-*.mcap"))
-    naive = learn_naive(folder, [open_log(path) for path in mazes], under("a posteriori", tell))
+    naive = learn_naive(folder, [open_log(path) for path in mazes], under(tell, "a posteriori"))
     return _a_posteriori(seed, folder, models, naive, mazes, tell)
 
 
@@ -77,7 +77,7 @@ def _a_posteriori(
     """Table 4.2 and the stages of heatmaps: every method learned from the same drives through the mazes."""
     if models.heatmaps is None:
         return []
-    progress = under("a posteriori", tell)
+    progress = under(tell, "a posteriori")
     primitives = learn_rival_primitives(folder, [open_log(path) for path in mazes], progress)
     return a_posteriori_sections(folder, ModelFiles(primitives, naive, models.heatmaps), mazes, seed, progress)
 

@@ -28,7 +28,7 @@ def silent(stage: str, done: int, total: int) -> None:
     """Reports to nobody."""
 
 
-def under(title: str, tell: Progress) -> Progress:
+def under(tell: Progress, title: str) -> Progress:
     """As `tell`, each stage named after `title`."""
     return lambda stage, done, total: tell(f"{title}: {stage}", done, total)
 

@@ -1,4 +1,4 @@
-"""How a figure is written in a table: one way each for a figure with its interval, a mean, k of n, and p."""
+"""How a figure is written in a table: one way each for a figure with its interval, a mean, a share, a count and p."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import isnan, nan
 
 from numpy.typing import ArrayLike
 
-from lfdcore.study.report.statistics import Summary, proportion, summarise, summarise_bounded
+from lfdcore.study.report.statistics import Summary, poisson_rate, proportion, summarise, summarise_bounded
 
 NONE = "-"
 """a figure that there is none of"""
@@ -41,6 +41,12 @@ def share_cell(successes: int, n: int) -> str:
     """k of n, and below it the share with Wilson's 95 % interval."""
     share, low, high = proportion(successes, n)
     return f"{successes} of {n}\n{100 * share:.0f} % [{100 * low:.0f}, {100 * high:.0f}]"
+
+
+def count_cell(events: int, n: int) -> str:
+    """Events in n runs, and below it Garwood's 95 % interval of events a run (Poisson)."""
+    _, low, high = poisson_rate(events, n)
+    return f"{events} in {n}\n[{low:.2f}, {high:.2f}]"
 
 
 def p_cell(p: float) -> str:
