@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/estimation/action_model.hpp"
 #include "lfdcore/estimation/belief.hpp"
@@ -66,14 +67,9 @@ void bind_kernel(py::module_& m) {
       .def_readonly("state_lengthscales", &ActionKernel::state_lengthscales, "(Dx,), a view")
       .def_readonly("goal_lengthscales", &ActionKernel::goal_lengthscales, "(Dg,) [m], a view")
       .def_readonly("noise", &ActionKernel::noise)
-      .def(py::pickle(
-          [](const ActionKernel& k) {
-            return py::make_tuple(k.amplitude, k.state_lengthscales, k.goal_lengthscales, k.noise);
-          },
-          [](const py::tuple& t) {
-            return ActionKernel{t[0].cast<double>(), t[1].cast<Eigen::VectorXd>(), t[2].cast<Eigen::VectorXd>(),
-                                t[3].cast<double>()};
-          }));
+      .def(pickled_by_name(
+          Field("amplitude", &ActionKernel::amplitude), Field("state_lengthscales", &ActionKernel::state_lengthscales),
+          Field("goal_lengthscales", &ActionKernel::goal_lengthscales), Field("noise", &ActionKernel::noise)));
 }
 
 ActionMoments moments_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,

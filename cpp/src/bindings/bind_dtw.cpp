@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/primitives/dtw.hpp"
 #include "lfdcore/primitives/open_end_dtw.hpp"
 #include "lfdcore/primitives/orientation.hpp"
@@ -106,26 +107,12 @@ void bind_open_end(py::module_& m) {
 
 void bind_phase(py::module_& m) {
   using Config = PhaseEstimatorConfig;
-  py::class_<Config>(m, "PhaseEstimatorConfig", "How PhaseEstimator reads phase and tempo. ValueError names a field.")
-      .def(py::init([](double phase_decay, double tempo_window, double rest_share, double pause_rate) {
-             const Config made{phase_decay, tempo_window, rest_share, pause_rate};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("phase_decay") = Config{}.phase_decay,
-           py::arg("tempo_window") = Config{}.tempo_window, py::arg("rest_share") = Config{}.rest_share,
-           py::arg("pause_rate") = Config{}.pause_rate)
-      .def_readonly("phase_decay", &Config::phase_decay, "alpha_x > 0 of the DMPs' canonical system, ln 100")
-      .def_readonly("tempo_window", &Config::tempo_window, "the rate is of the last [s], 0 < .. <= 60")
-      .def_readonly("rest_share", &Config::rest_share, "no further from its start than this share of the way is rest")
-      .def_readonly("pause_rate", &Config::pause_rate, "slower than this share of the reference's tempo is a pause")
-      .def(py::pickle(
-          [](const Config& c) { return py::make_tuple(c.phase_decay, c.tempo_window, c.rest_share, c.pause_rate); },
-          [](const py::tuple& t) {
-            const Config made{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>()};
-            validate(made);
-            return made;
-          }));
+  bind_settings(
+      m, "PhaseEstimatorConfig", "How PhaseEstimator reads phase and tempo. ValueError names a field.",
+      Field("phase_decay", &Config::phase_decay, "alpha_x > 0 of the DMPs' canonical system, ln 100"),
+      Field("tempo_window", &Config::tempo_window, "the rate is of the last [s], 0 < .. <= 60"),
+      Field("rest_share", &Config::rest_share, "no further from its start than this share of the way is rest"),
+      Field("pause_rate", &Config::pause_rate, "slower than this share of the reference's tempo is a pause"));
   py::class_<PartnerPhase>(m, "PartnerPhase", "How far a partner has come, and how fast.")
       .def_readonly("index", &PartnerPhase::index, "t* - 1, row of the reference; -1 before any sample")
       .def_readonly("distance", &PartnerPhase::distance, "of the open-end DTW")

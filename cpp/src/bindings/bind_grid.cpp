@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/grid/distance_field.hpp"
 #include "lfdcore/grid/grid.hpp"
 #include "lfdcore/grid/heatmap_map.hpp"
@@ -87,14 +88,9 @@ void bind_laser_scan(py::module_& m) {
                                                                             0.0, s.ranges.size() - 1.0));
           },
           "(B,) [rad] in the laser's frame")
-      .def(py::pickle(
-          [](const LaserScan& s) {
-            return py::make_tuple(s.ranges, s.angle_min, s.angle_increment, s.range_min, s.range_max);
-          },
-          [](const py::tuple& t) {
-            return LaserScan{t[0].cast<std::vector<float>>(), t[1].cast<double>(), t[2].cast<double>(),
-                             t[3].cast<double>(), t[4].cast<double>()};
-          }));
+      .def(pickled_by_name(Field("ranges", &LaserScan::ranges), Field("angle_min", &LaserScan::angle_min),
+                           Field("angle_increment", &LaserScan::angle_increment),
+                           Field("range_min", &LaserScan::range_min), Field("range_max", &LaserScan::range_max)));
 }
 
 void bind_obstacle_points(py::module_& m) {

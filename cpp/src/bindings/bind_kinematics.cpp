@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/kinematics/joint_trajectory.hpp"
 
@@ -86,34 +87,15 @@ void bind_model(py::module_& m) {
 
 using Config = InverseKinematicsConfig;
 
-Config make_config(double position_tolerance, double rotation_tolerance, int iterations, int restarts, int postures,
-                   double damping) {
-  const Config made{position_tolerance, rotation_tolerance, iterations, restarts, postures, damping};
-  validate(made);
-  return made;
-}
-
 void bind_ik_config(py::module_& m) {
-  const Config c;
-  py::class_<Config>(m, "InverseKinematicsConfig", "Settings of the inverse kinematics.")
-      .def(py::init(&make_config), py::kw_only(), py::arg("position_tolerance") = c.position_tolerance,
-           py::arg("rotation_tolerance") = c.rotation_tolerance, py::arg("iterations") = c.iterations,
-           py::arg("restarts") = c.restarts, py::arg("postures") = c.postures, py::arg("damping") = c.damping)
-      .def_readonly("position_tolerance", &Config::position_tolerance, "of a solution [m]")
-      .def_readonly("rotation_tolerance", &Config::rotation_tolerance, "of a solution [rad]")
-      .def_readonly("iterations", &Config::iterations, "at most, of one descent")
-      .def_readonly("restarts", &Config::restarts, "descents at most, besides that from a seed; 0: only from the seed")
-      .def_readonly("postures", &Config::postures, "fixed ones that restarts are chosen from")
-      .def_readonly("damping", &Config::damping, "times the squared error, of the normal equations")
-      .def(py::pickle(
-          [](const Config& s) {
-            return py::make_tuple(s.position_tolerance, s.rotation_tolerance, s.iterations, s.restarts, s.postures,
-                                  s.damping);
-          },
-          [](const py::tuple& t) {
-            return make_config(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<int>(), t[3].cast<int>(),
-                               t[4].cast<int>(), t[5].cast<double>());
-          }));
+  bind_settings(
+      m, "InverseKinematicsConfig", "Settings of the inverse kinematics.",
+      Field("position_tolerance", &Config::position_tolerance, "of a solution [m]"),
+      Field("rotation_tolerance", &Config::rotation_tolerance, "of a solution [rad]"),
+      Field("iterations", &Config::iterations, "at most, of one descent"),
+      Field("restarts", &Config::restarts, "descents at most, besides that from a seed; 0: only from the seed"),
+      Field("postures", &Config::postures, "fixed ones that restarts are chosen from"),
+      Field("damping", &Config::damping, "times the squared error, of the normal equations"));
 }
 
 void bind_ik(py::module_& m) {
@@ -190,44 +172,19 @@ void bind_self_collision(py::module_& m) {
           py::arg("q"), "The smallest distance [m] and the names of the two links.");
 }
 
-FollowConfig make_follow_config(const Config& inverse_kinematics, double centring, double clearance, double avoidance,
-                                double avoidance_speed, double largest_step, double velocity_share, double smoothing,
-                                int starts) {
-  const FollowConfig made{inverse_kinematics, centring,       clearance, avoidance, avoidance_speed,
-                          largest_step,       velocity_share, smoothing, starts};
-  validate(made);
-  return made;
-}
-
 void bind_follow_config(py::module_& m) {
   using Follow = FollowConfig;
-  const Follow c;
-  py::class_<Follow>(m, "FollowConfig", "Settings of follow_poses.")
-      .def(py::init(&make_follow_config), py::kw_only(), py::arg("inverse_kinematics") = c.inverse_kinematics,
-           py::arg("centring") = c.centring, py::arg("clearance") = c.clearance, py::arg("avoidance") = c.avoidance,
-           py::arg("avoidance_speed") = c.avoidance_speed, py::arg("largest_step") = c.largest_step,
-           py::arg("velocity_share") = c.velocity_share, py::arg("smoothing") = c.smoothing,
-           py::arg("starts") = c.starts)
-      .def_readonly("inverse_kinematics", &Follow::inverse_kinematics, "of each pose")
-      .def_readonly("centring", &Follow::centring, "rate at which free joints tend to mid-range [1/s]")
-      .def_readonly("clearance", &Follow::clearance, "that links must keep from each other [m]")
-      .def_readonly("avoidance", &Follow::avoidance, "from this distance of links on, free joints part them [m]")
-      .def_readonly("avoidance_speed", &Follow::avoidance_speed, "of that motion where links touch [rad/s]")
-      .def_readonly("largest_step", &Follow::largest_step,
-                    "of a joint from sample to sample; more counts as a jump [rad or m]")
-      .def_readonly("velocity_share", &Follow::velocity_share, "of the velocity limits that is used")
-      .def_readonly("smoothing", &Follow::smoothing, "slowing down spreads this far to both sides [s]")
-      .def_readonly("starts", &Follow::starts, "first postures tried where none is given")
-      .def(py::pickle(
-          [](const Follow& f) {
-            return py::make_tuple(f.inverse_kinematics, f.centring, f.clearance, f.avoidance, f.avoidance_speed,
-                                  f.largest_step, f.velocity_share, f.smoothing, f.starts);
-          },
-          [](const py::tuple& t) {
-            const auto number = [&t](int i) { return t[i].cast<double>(); };
-            return make_follow_config(t[0].cast<Config>(), number(1), number(2), number(3), number(4), number(5),
-                                      number(6), number(7), t[8].cast<int>());
-          }));
+  bind_settings(m, "FollowConfig", "Settings of follow_poses.",
+                Field("inverse_kinematics", &Follow::inverse_kinematics, "of each pose"),
+                Field("centring", &Follow::centring, "rate at which free joints tend to mid-range [1/s]"),
+                Field("clearance", &Follow::clearance, "that links must keep from each other [m]"),
+                Field("avoidance", &Follow::avoidance, "from this distance of links on, free joints part them [m]"),
+                Field("avoidance_speed", &Follow::avoidance_speed, "of that motion where links touch [rad/s]"),
+                Field("largest_step", &Follow::largest_step,
+                      "of a joint from sample to sample; more counts as a jump [rad or m]"),
+                Field("velocity_share", &Follow::velocity_share, "of the velocity limits that is used"),
+                Field("smoothing", &Follow::smoothing, "slowing down spreads this far to both sides [s]"),
+                Field("starts", &Follow::starts, "first postures tried where none is given"));
 }
 
 void bind_follow_result(py::module_& m) {
