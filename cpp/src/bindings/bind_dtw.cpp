@@ -127,11 +127,10 @@ void bind_phase(py::module_& m) {
   py::class_<SharedEstimator>(
       m, "PhaseEstimator",
       "How far a partner has come in a movement, and how fast (5.5, ERRATA 38). Open-end DTW gives t*: it does not "
-      "care "
-      "about tempo, a pausing partner leaves it where it is. The rate is the slope of t* over the last tempo_window: "
-      "the line through the medians of its first and its last third, so that single jumps of t* do not count. The "
-      "phase is determined, for good, once partner and reference have both gone further from their starts than "
-      "rest_share of the reference's greatest distance from its own. Sample the reference about as densely as the "
+      "care about tempo, a pausing partner leaves it where it is. The rate is the slope of t* over the last "
+      "tempo_window: the line through the medians of its first and its last third, so that single jumps of t* do not "
+      "count. The phase is determined, for good, once partner and reference have both gone further from their starts "
+      "than rest_share of the reference's greatest distance from its own. Sample the reference about as densely as the "
       "partner: many more rows make t* lag.")
       .def(py::init([](const Doubles& reference, double duration, const Config& config) {
              return std::make_unique<SharedEstimator>(PhaseEstimator(series(reference), duration, config));
@@ -149,9 +148,8 @@ void bind_phase(py::module_& m) {
           },
           py::arg("stamp"), py::arg("sample"),
           "The partner's sample (D,) at stamp [s]; NaN as in OpenEndDtw: one without any seen dimension changes "
-          "nothing "
-          "but the clock. ValueError, and it stays as it was, for a stamp that is not finite or not later than the "
-          "last and for samples that OpenEndDtw refuses.")
+          "nothing but the clock. ValueError, and it stays as it was, for a stamp that is not finite or not later than "
+          "the last and for samples that OpenEndDtw refuses.")
       .def(
           "reset",
           [](SharedEstimator& self) {

@@ -181,8 +181,7 @@ void bind_evolution(py::module_& m) {
       },
       py::arg("objective"), py::arg("bounds"), py::arg("config") = Config{},
       "Minimises objective((D,)) -> float in the box of bounds (D, 2); NaN counts as +inf. The same seed gives the "
-      "same "
-      "result. ValueError for bounds that are not finite or not low < high.");
+      "same result. ValueError for bounds that are not finite or not low < high.");
 }
 
 }  // namespace

@@ -35,11 +35,11 @@ void bind_config(py::module_& m) {
   bind_settings(
       m, "InteractionPrimitiveConfig",
       "observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', "
-      "which needs no derivatives. noise: sigma^2, a variance in the unit of "
-      "what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, "
-      "dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. "
-      "printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian "
-      "with theta (ERRATA 42). ValueError unless the variances are > 0.",
+      "which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default "
+      "the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). "
+      "environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as "
+      "w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the "
+      "variances are > 0.",
       Field("dmp", &Config::dmp), Field("observe", &Config::observe), Field("noise", &Config::noise),
       Field("environment_noise", &Config::environment_noise),
       Field("printed_environment_weights", &Config::printed_environment_weights));

@@ -77,9 +77,8 @@ void bind_model(py::module_& m) {
             return model.chain(base, tip, rigid_transform(T_tip_tool, "T_tip_tool"));
           },
           py::arg("base"), py::arg("tip"), py::arg("T_tip_tool") = Matrix4(Matrix4::Identity()),
-          "The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of "
-          "links.\n"
-          "ValueError for unknown links, a chain without movable joints or no rigid transform.")
+          "The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of\n"
+          "links. ValueError for unknown links, a chain without movable joints or no rigid transform.")
       .def("forward", &link_pose, py::arg("q"), py::arg("link"),
            "T_root_link (4, 4) at q (N,), joints as in joint_names. ValueError for another length, values that are not "
            "finite or an unknown link.");
@@ -110,11 +109,10 @@ void bind_ik(py::module_& m) {
       .def_readonly("iterations", &Result::iterations, "of all descents together");
   py::class_<InverseKinematics>(
       m, "InverseKinematics",
-      "Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error\n"
-      "(Sugihara 2011), joints that would leave their limits held at them and the rest solved again. Restarts begin "
-      "at\n"
-      "those of a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose\n"
-      "tools are nearest to the pose. Deterministic; may be shared between threads.")
+      "Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error (Sugihara\n"
+      "2011), joints that would leave their limits held at them and the rest solved again. Restarts begin at those of\n"
+      "a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose tools are\n"
+      "nearest to the pose. Deterministic; may be shared between threads.")
       .def(py::init<KinematicChain, const Config&>(), py::arg("chain"), py::kw_only(), py::arg("config") = Config{},
            without_gil())
       .def(
@@ -123,10 +121,9 @@ void bind_ik(py::module_& m) {
             return solver.solve(rigid_transform(T_base_tool, "T_base_tool"), seed);
           },
           py::arg("T_base_tool"), py::arg("seed") = std::nullopt, without_gil(),
-          "For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits), "
-          "then\n"
-          "by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid transform\n"
-          "or a seed of another length.");
+          "For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits),\n"
+          "then by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid\n"
+          "transform or a seed of another length.");
   m.def(
       "solve_inverse_kinematics",
       [](const KinematicChain& chain, const Matrix4& T_base_tool, const Config& config,
@@ -196,8 +193,7 @@ void bind_follow_result(py::module_& m) {
       .def_property_readonly(
           "outcome", [](const FollowResult& r) { return to_string(r.outcome); },
           "'followed' | 'out_of_reach' (no posture inside the limits reaches the pose) | 'no_continuous_path' (one "
-          "does, "
-          "but not without a jump) | 'self_collision' (links nearer than the clearance, free joints cannot help)")
+          "does, but not without a jump) | 'self_collision' (links nearer than the clearance, free joints cannot help)")
       .def_readonly("trajectory", &FollowResult::trajectory, "unless followed, only what comes before the failure")
       .def_readonly("first_failure", &FollowResult::first_failure, "index of the first pose not followed, or None")
       .def_readonly("position_error", &FollowResult::position_error, "largest [m]")
@@ -250,25 +246,20 @@ void bind_follow(py::module_& m) {
       py::arg("self_collision") = std::nullopt, py::arg("posture") = std::nullopt,
       "Joint positions and velocities that follow poses T_base_tool (T, 4, 4) at `time` (T,) [s], sample by sample\n"
       "from the last posture, inside the position limits; joints that the pose leaves free tend to mid-range and away\n"
-      "from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing "
-      "is\n"
-      "clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from\n"
-      "there), or from the best of several first postures. With self_collision, `posture` says where the robot's "
-      "other\n"
-      "joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer than "
-      "2\n"
-      "poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.");
+      "from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing\n"
+      "is clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from\n"
+      "there), or from the best of several first postures. With self_collision, `posture` says where the robot's\n"
+      "other joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer\n"
+      "than 2 poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.");
   m.def(
       "slow_down", &slow_down, py::arg("time"), py::arg("positions"), py::arg("velocity"), py::arg("smoothing") = 0.2,
       without_gil(),
-      "Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval "
-      "takes\n"
-      "as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms: stack\n"
-      "their positions. ValueError like follow_poses.");
+      "Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval\n"
+      "takes as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms:\n"
+      "stack their positions. ValueError like follow_poses.");
   m.def("joint_velocities", &joint_velocities, py::arg("time"), py::arg("positions"), without_gil(),
-        "(T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the "
-        "ends;\n"
-        "never above the fastest chord. ValueError like follow_poses.");
+        "(T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the\n"
+        "ends; never above the fastest chord. ValueError like follow_poses.");
 }
 
 }  // namespace

@@ -81,9 +81,8 @@ void bind_hmm(py::module_& m) {
           py::arg("demonstrations"), py::arg("config") = Config{},
           "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid and "
           "once aligned with their mean by DTW; their variance (unbiased, averaged with its mean over the phase) times "
-          "`widening`, plus a "
-          "step's extent, at least `least_deviation` squared. ValueError for none, other shapes and what is not finite "
-          "and within 1e100, naming primitive and demonstration.")
+          "`widening`, plus a step's extent, at least `least_deviation` squared. ValueError for none, other shapes and "
+          "what is not finite and within 1e100, naming primitive and demonstration.")
       .def(
           "observe",
           [](SharedHmm& self, const Doubles& sample) {

@@ -10,8 +10,8 @@ void bind_contact_config(py::module_& m) {
       m, "ContactConfig",
       "How the body behaves where it touches: friction (Coulomb's coefficient), skid_resistance (how much harder than "
       "rolling it is to push the wheels sideways, a ratio of masses), skid_time [s] in which they grip again, "
-      "gyration_radius [m]; a contact lasts until the "
-      "body has been clear of everything by release_gap [m] for release_time [s], so that chattering counts once.",
+      "gyration_radius [m]; a contact lasts until the body has been clear of everything by release_gap [m] for "
+      "release_time [s], so that chattering counts once.",
       Field("friction", &ContactConfig::friction, "Coulomb's coefficient"),
       Field("skid_resistance", &ContactConfig::skid_resistance, "ratio of masses"),
       Field("skid_time", &ContactConfig::skid_time, "[s]"),
@@ -78,21 +78,18 @@ void bind_driving_world(py::module_& m) {
       m, "DrivingWorld",
       "A chair with odometry and a LIDAR, driven through a map in control periods. The chair stands nowhere until "
       "reset(). unknown_is_solid: unknown cells and all outside the map stop the chair and the LIDAR's beams alike "
-      "(real "
-      "buildings); else both pass. The same seed gives the same bytes; the noise of a period depends on the seed and "
-      "the number of the period alone, whatever was driven, and scan noise and slip are separate streams.")
+      "(real buildings); else both pass. The same seed gives the same bytes; the noise of a period depends on the seed "
+      "and the number of the period alone, whatever was driven, and scan noise and slip are separate streams.")
       .def(py::init<const OccupancyGrid&, const ChairConfig&, const LidarConfig&, std::uint64_t, bool>(),
            py::arg("grid"), py::arg("chair") = ChairConfig{}, py::arg("lidar") = LidarConfig{}, py::arg("seed") = 0,
            py::arg("unknown_is_solid") = true, without_gil())
       .def("reset", &DrivingWorld::reset, py::arg("pose"),
            "Puts the chair at rest at T_map_base, with odometry, counters, clock and noise as new. ValueError for a "
-           "pose "
-           "that is not finite or touches an obstacle, saying where.")
+           "pose that is not finite or touches an obstacle, saying where.")
       .def("step", &DrivingWorld::step, py::arg("command"), py::arg("duration") = 0.1,
            "Drives towards the command (Twist2) for `duration` [s], at most 10 -> StepResult. A command beyond the "
            "limits is cut to them. Never ends touching an obstacle. ValueError for values that are not finite and "
-           "before "
-           "a reset.")
+           "before a reset.")
       .def("scan", py::overload_cast<>(&DrivingWorld::scan, py::const_), without_gil(),
            "What the LIDAR sees now -> LaserScan; asked twice in a period, the same.")
       .def_property_readonly("state", &DrivingWorld::state, "the truth now (ChairState, a copy)")
