@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -16,7 +17,6 @@
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Indices = py::array_t<std::int64_t, py::array::c_style>;
 
 // Asked for as doubles: as integers, NumPy would cut 1.5 to 1 in silence.
@@ -30,8 +30,6 @@ std::vector<std::int64_t> indices_of(const Doubles& given) {
   }
   return indices;
 }
-
-std::span<const double> view(const Doubles& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
 Belief belief_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
   require(mean.size() <= most_goal_dimensions && covariance.rows() <= most_goal_dimensions &&

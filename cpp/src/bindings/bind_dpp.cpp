@@ -1,3 +1,4 @@
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -19,8 +20,7 @@ CellPath as_cells(const py::array& cells) {
   return given.cast<int>();
 }
 
-Preferences as_preferences(const py::array_t<double, py::array::c_style | py::array::forcecast>& given,
-                           const GridMdp& mdp) {
+Preferences as_preferences(const Doubles& given, const GridMdp& mdp) {
   const bool fits = given.ndim() == 3 && given.shape(0) == mdp.height() && given.shape(1) == mdp.width() &&
                     given.shape(2) == action_count;
   require(fits, "initial_preference must be a (" + std::to_string(mdp.height()) + ", " + std::to_string(mdp.width()) +

@@ -3,6 +3,7 @@
 #include <limits>
 #include <mutex>
 
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -13,8 +14,6 @@
 
 namespace lfdcore {
 namespace {
-
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 constexpr std::array families{std::pair{"squared_exponential", KernelFamily::squared_exponential},
                               std::pair{"matern_3_2", KernelFamily::matern_3_2},
@@ -31,8 +30,6 @@ std::string name_of(KernelFamily family) {
     if (family == known) return name;
   return "";
 }
-
-std::span<const double> view(const Doubles& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
 // A likelihood has one workspace: calls from several threads wait for each other.
 struct SharedLikelihood {

@@ -1,3 +1,4 @@
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -209,9 +210,7 @@ void bind_follow_result(py::module_& m) {
           "indices into RobotModel.link_names of the two links at `clearance`, or None");
 }
 
-using PoseArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-std::vector<Eigen::Isometry3d> poses_from(const PoseArray& array) {
+std::vector<Eigen::Isometry3d> poses_from(const Doubles& array) {
   require(array.ndim() == 3 && array.shape(1) == 4 && array.shape(2) == 4, "T_base_tool must be (T, 4, 4)");
   std::vector<Eigen::Isometry3d> poses;
   poses.reserve(static_cast<std::size_t>(array.shape(0)));
@@ -222,7 +221,7 @@ std::vector<Eigen::Isometry3d> poses_from(const PoseArray& array) {
   return poses;
 }
 
-FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, const PoseArray& T_base_tool,
+FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, const Doubles& T_base_tool,
                     const std::optional<Eigen::VectorXd>& start, const FollowConfig& config,
                     const std::optional<SelfCollision>& self_collision,
                     const std::optional<py::array_t<double>>& posture) {

@@ -1,3 +1,4 @@
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -7,13 +8,7 @@
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Integers = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
-
-template <class T>
-std::span<const T> view(const py::array_t<T, py::array::c_style | py::array::forcecast>& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
+using Integers = Contiguous<std::int32_t>;
 
 Integers as_view(const std::vector<std::int32_t>& values, const py::object& owner) {
   Integers array(static_cast<py::ssize_t>(values.size()), values.data(), owner);

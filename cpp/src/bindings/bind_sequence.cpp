@@ -1,6 +1,7 @@
 #include <mutex>
 #include <utility>
 
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/primitives/sequence.hpp"
@@ -8,7 +9,6 @@
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Config = SequenceConfig;
 
 // A filter has one state: calls from several threads wait for each other.
@@ -86,7 +86,7 @@ void bind_hmm(py::module_& m) {
       .def(
           "observe",
           [](SharedHmm& self, const Doubles& sample) {
-            const std::span<const double> at(sample.data(), static_cast<std::size_t>(sample.size()));
+            const auto at = view(sample);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
             return SequenceBelief(self.hmm.observe(at));

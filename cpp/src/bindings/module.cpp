@@ -34,6 +34,8 @@ PYBIND11_MODULE(_core, m) {
   bind_gaussian_process(estimation);
   bind_action_model(estimation);
   bind_dtw(primitives);
+  bind_phase_estimator(primitives);
+  bind_orientation(primitives);
   bind_sequence(primitives);
   bind_dmp(primitives);
   bind_interaction_primitive(primitives);
