@@ -79,8 +79,8 @@ def handover_sections(result: HandoverResult) -> list[Section]:
 def _section(result: TaskErrors, seed: int, before: str = "") -> Section:
     chosen = ", ".join(f"{factor:g}" for factor in sorted({split.factors[0] for split in result.splits}))
     text = (
-        f"{before}Seen and predicted: {result.task.description}. sigma^2 over the fit's residual, as chosen in the splits "
-        f"for positions: {chosen}."
+        f"{before}Seen and predicted: {result.task.description}. sigma^2 over the fit's residual, as chosen in the "
+        f"splits for positions: {chosen}."
     )
     picture = Picture(
         error_figure(result, seed),
