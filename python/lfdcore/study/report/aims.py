@@ -8,6 +8,7 @@ from math import inf, nan
 from typing import Any, Self
 
 from lfdcore.study.report.cells import figure_cell
+from lfdcore.study.report.table import Table
 
 
 @dataclass(frozen=True)
@@ -58,3 +59,8 @@ def reached_of(aims: Sequence[Aim]) -> str:
     """How many were reached, and the names of those that were not, as a sentence."""
     missed = "".join(f"; MISSED: {aim.label}" for aim in aims if not aim.reached)
     return f"Figures to reach: {sum(aim.reached for aim in aims)} of {len(aims)} reached{missed}."
+
+
+def aims_table(title: str, aims: Sequence[Aim]) -> Table:
+    """A row an aim."""
+    return Table(title, ("", "wanted", "found"), tuple((aim.label, aim.wanted, aim.as_text()) for aim in aims))

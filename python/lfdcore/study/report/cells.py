@@ -13,7 +13,14 @@ NONE = "-"
 
 
 def figure_cell(
-    value: float, low: float = nan, high: float = nan, *, digits: int, sd: float = nan, sign: str = ""
+    value: float,
+    low: float = nan,
+    high: float = nan,
+    *,
+    digits: int,
+    sd: float = nan,
+    sign: str = "",
+    unit: str = "",
 ) -> str:
     """The figure (+-sd, if there is one), and below it its interval [low, high], if there is one; '-' for NaN. sign:
     '+' shows it always, as of a difference."""
@@ -21,7 +28,17 @@ def figure_cell(
         return NONE
     spread = "" if isnan(sd) else f"+-{sd:.{digits}f}"
     interval = "" if isnan(low) else f"\n[{low:.{digits}f}, {high:.{digits}f}]"
-    return f"{value:{sign}.{digits}f}{spread}{interval}"
+    return f"{value:{sign}.{digits}f}{spread}{unit}{interval}"
+
+
+def percent_cell(share: float, low: float = nan, high: float = nan) -> str:
+    """A share of 1 in percent, and below it its interval, if there is one; '-' for NaN."""
+    return figure_cell(100 * share, 100 * low, 100 * high, digits=0, unit=" %")
+
+
+def in_a_line(cell: str) -> str:
+    """A cell as part of a sentence."""
+    return cell.replace("\n", " ")
 
 
 def summary_cell(s: Summary, digits: int, *, with_sd: bool = True, least: float = -float("inf")) -> str:
