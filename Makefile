@@ -15,7 +15,7 @@ SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -n
 DEMO_EXTRA := $(if $(filter-out 0,$(TRAIN)),train,study)
 DEMO_OPTION := $(if $(filter-out 0,$(TRAIN)),--train)
 
-.PHONY: demo test check format stubs models benchmark clean
+.PHONY: demo test check format figures stubs models benchmark clean
 
 demo: $(VENV)/.installed-$(DEMO_EXTRA)
 	$(BIN)/lfdcore demo --output demo $(DEMO_OPTION)
@@ -35,6 +35,9 @@ format: $(VENV)/.installed-test
 	$(BIN)/ruff check --fix $(LINTED)
 	$(BIN)/ruff format $(LINTED)
 	$(BIN)/clang-format -i $$(git ls-files '*.hpp' '*.cpp')
+
+figures: $(VENV)/.installed-test
+	$(BIN)/python -m pytest -n 2 -v -m figures tests/py/study/test_figures.py
 
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py

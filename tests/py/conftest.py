@@ -54,3 +54,24 @@ def goal_drives(tmp_path_factory: pytest.TempPathFactory) -> GoalDrives:
     from lfdcore.study.goals.drives import record_goal_drives
 
     return record_goal_drives(tmp_path_factory.mktemp("goal_drives"), processes=2)
+
+
+@pytest.fixture(scope="session")
+def corner_logs():
+    from synthetic_drive import corner_drive
+
+    return [corner_drive(offset) for offset in (-0.15, 0.0, 0.15)]
+
+
+@pytest.fixture(scope="session")
+def corner_paths(corner_logs):
+    from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
+
+    return LocalPaths.concatenate([extract_local_paths(log) for log in corner_logs])
+
+
+@pytest.fixture(scope="session")
+def corner_model(corner_logs):
+    from lfdcore.training.drive_primitives import learn_drive
+
+    return learn_drive(corner_logs)

@@ -12,20 +12,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from calling import run
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from calling import run
 from lfdcore.datasets.interaction import InteractionRecording, load_interaction
 from lfdcore.datasets.joint_motion import read_joint_motion
 from lfdcore.humanoid.arm import follow_gripper
 from lfdcore.humanoid.baxter import baxter, baxter_arm
 from lfdcore.humanoid.collaboration import CollaborationModel
 from lfdcore.simulated.covering import CoveredObject, demonstrate_covering
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "kinematics"))
 from robots import joint, robot, ur5_forward, ur5_urdf
 
 OBJECTS = (CoveredObject("stool", 0.75, 0.34, 0.34), CoveredObject("cabinet", 0.90, 0.40, 0.38))

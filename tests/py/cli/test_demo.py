@@ -8,8 +8,8 @@ from importlib.abc import MetaPathFinder
 from pathlib import Path
 
 import pytest
-from calling import run
 
+from calling import run
 from lfdcore.datasets import open_log
 from lfdcore.simulated import courses
 from lfdcore.simulated.courses import course_by_name

@@ -3,22 +3,19 @@
 import dataclasses
 import json
 import re
-import sys
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from calling import run
 from PIL import Image
 
+from calling import run
+from goal_worlds import GOALS, drive_to, drives, learned
 from lfdcore.datasets import Goal, Goals, open_log, write_goals, write_map
 from lfdcore.grid import OccupancyGrid
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
 from lfdcore.wheelchair.goals.model import GoalModel
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
-from goal_worlds import GOALS, drive_to, drives, learned
 
 
 def one_line(err: str) -> str:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from calling import run
 
+from calling import run
+from heatmap_drives import corridor_log
 from lfdcore.cli.common import print_facts
 from lfdcore.datasets import DriveLog
 from lfdcore.datasets.tensor_file import write_tensor_file
@@ -16,9 +17,6 @@ from lfdcore.study.arms import models_by_method
 from lfdcore.study.demonstrations import drive_to_destinations
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
-from heatmap_drives import corridor_log
 from synthetic_drive import corner_drive
 
 

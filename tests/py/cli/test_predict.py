@@ -3,16 +3,13 @@
 import dataclasses
 import json
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+
 from calling import run
-
 from lfdcore.datasets import DriveLog, open_log
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import corner_drive
 
 

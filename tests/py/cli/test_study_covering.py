@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from calling import run
 
+from calling import run
 from lfdcore.simulated.covering import BOUNDING_BOX, GROUND_TRUTH, CoveringProtocol, covering_data, write_demonstrations
 from lfdcore.study.covering import study as covering
 from lfdcore.training.collaborations import NoiseChoice

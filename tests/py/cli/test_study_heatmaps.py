@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from calling import run
 
+from calling import run
 from lfdcore.cli.common import Stages, progress_bar
 from lfdcore.study.demonstrations import heatmaps_or_learned
 

@@ -2,15 +2,12 @@
 
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, samples_of
-
 from lfdcore.cli.main import main
 from lfdcore.estimation import ActionKernel
 from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel

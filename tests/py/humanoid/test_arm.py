@@ -1,8 +1,6 @@
 """A gripper's motion as joints: the joints' own forward kinematics says whether it is the same motion."""
 
 import re
-import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -34,8 +32,6 @@ from lfdcore.humanoid.baxter import (
 )
 from lfdcore.kinematics import RobotModel, SelfCollision
 from lfdcore.simulated.covering import RIGHT_GRIPPER, ROBOT_NAMES, CoveredObject, demonstrate_covering
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "kinematics"))
 from robots import joint, robot, ur5_forward, ur5_urdf
 
 ROBOT = baxter()

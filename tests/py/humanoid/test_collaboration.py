@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lifts import DURATION, PARTNER, SAMPLES, lift, lifts
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.humanoid.collaboration import KIND, VERSION, CollaborationConfig, CollaborationModel
 from lfdcore.primitives import Dmp
+from lifts import DURATION, PARTNER, SAMPLES, lift, lifts
 
 CONFIG = CollaborationConfig(steps=80)
 MODEL = CollaborationModel.fit(lifts(), CONFIG)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from sweeps import BOX, RIGHT, boxes, paths, points, sweep
 
 from lfdcore.humanoid.contact import STEP, Capsule, nearest_approach, segment_box_distance
 from lfdcore.humanoid.scene import Box
+from sweeps import BOX, RIGHT, boxes, paths, points, sweep
 
 Array = np.ndarray
 

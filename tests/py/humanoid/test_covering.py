@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from sweeps import BOX, RIGHT, boxes, paths, points, sweep
 
 from lfdcore.humanoid.contact import Capsule
 from lfdcore.humanoid.covering import DRAPE, covering_verdict
 from lfdcore.humanoid.scene import Box
+from sweeps import BOX, RIGHT, boxes, paths, points, sweep
 
 Array = np.ndarray
 

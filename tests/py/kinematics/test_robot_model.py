@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from kinematics.robots import joint, robot, ur5_forward, ur5_urdf
+
 from lfdcore.errors import DataError
 from lfdcore.kinematics import InverseKinematics, RobotModel, SelfCollision
 

@@ -5,12 +5,12 @@ import threading
 
 import numpy as np
 import pytest
-from dpp_oracle import MOVES, dpp, optimal_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
+from dpp_oracle import MOVES, dpp, optimal_values
 from lfdcore.planning import (
     DppConfig,
     DppSolver,

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from q_learning_oracle import optimal_path, q_learning
 from scipy.ndimage import gaussian_filter
 
 from lfdcore.planning import (
@@ -20,6 +19,7 @@ from lfdcore.planning import (
     greedy_path,
     heatmap_reward,
 )
+from q_learning_oracle import optimal_path, q_learning
 
 PRINTED = QLearningConfig(discount=0.9, sweeps=99, blocked=False)
 SIDE, START = 50, (25, 25)

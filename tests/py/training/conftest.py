@@ -1,18 +1,12 @@
 """Training's tests borrow the drives of wheelchair's, and train one small net for all."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 
 
 @pytest.fixture(scope="session")
 def pairs():
     """Pairs of three drives around a corner and three straight on."""
     from heatmap_drives import around_the_corner, corridor_log
-
     from lfdcore.training.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 
     starts = [(0.0, y, 0.0) for y in (-0.2, 0.0, 0.2)]

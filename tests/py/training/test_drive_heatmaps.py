@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from heatmap_drives import corridor_log
 
+from heatmap_drives import corridor_log
 from lfdcore.datasets import followed_pairs, full_deflection, joystick_pairs
 from lfdcore.datasets.safe_joystick import limits_note
 from lfdcore.geometry import MotionLimits

@@ -8,8 +8,8 @@ import joblib
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
-from goal_worlds import GOALS, drives, samples_of
 
+from goal_worlds import GOALS, drives, samples_of
 from lfdcore.estimation import ActionKernel
 from lfdcore.study.goals.report import likelihood_table
 from lfdcore.training.goal_models import GoalLearningConfig, KernelLikelihood, fit_action_kernels, kernel_likelihoods

@@ -1,15 +1,12 @@
 """Learning destinations from drives: kernels, subset, network (Ch. 2)."""
 
 import dataclasses
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, learned, samples_of
-
 from lfdcore.study.goals.evaluation import quarter_of_drive
 from lfdcore.training.goal_models import (
     GoalLearningConfig,

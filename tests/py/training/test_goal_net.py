@@ -1,15 +1,10 @@
 """Training the network of Sec. 2.2, and Algorithm 6 (corrected) as its reference."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import torch
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import drives, samples_of
-
 from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.wheelchair.goals.network import sigmoid
 

@@ -7,8 +7,8 @@ import numpy as np
 import onnx
 import pytest
 import torch
-from heatmap_drives import around_the_corner
 
+from heatmap_drives import around_the_corner
 from lfdcore.errors import ModelError
 from lfdcore.training.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx, train_heatmap_net
 from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs

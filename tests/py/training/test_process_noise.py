@@ -1,14 +1,9 @@
 """The process noise of beliefs over destinations, chosen by leaving drives out (ERRATA 6)."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drives, learned, samples_of, tiny_model
-
 from lfdcore.training.process_noise import best_calibrated, leave_drives_out
 from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import torch
-from goal_worlds import GOALS, drives, samples_of
 from numpy.typing import NDArray
 
+from goal_worlds import GOALS, drives, samples_of
 from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
 from lfdcore.training.torch_action_model import TorchActionModel, full_action_model
 from lfdcore.wheelchair.goals.model import GoalFilter, GoalFilterConfig, GoalModel, prior_belief

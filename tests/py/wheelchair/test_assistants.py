@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
 from lfdcore.control import Supervisor
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, approach, integrate
@@ -26,6 +25,7 @@ from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observatio
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import Surroundings
+from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
 LIMITS = MotionLimits()
 STOP = (0.0, 0.0)

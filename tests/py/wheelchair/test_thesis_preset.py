@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from goal_worlds import GOALS, drive_to, drives
 
+from goal_worlds import GOALS, drive_to, drives
 from lfdcore.datasets import open_log
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan, ObstaclePoints, OccupancyGrid

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
-from goal_worlds import GOALS, drive_to, samples_of, tiny_model
 
+from goal_worlds import GOALS, drive_to, samples_of, tiny_model
 from lfdcore.datasets import Goal, Goals
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError

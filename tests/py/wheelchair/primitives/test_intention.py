@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, scans_at
 
 from lfdcore.estimation import RbfNetworkConfig, fit_rbf_network
 from lfdcore.geometry import Pose2
@@ -9,6 +8,7 @@ from lfdcore.wheelchair.beams import BeamGeometry, clean_ranges
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres, cell_keys, key_centres
+from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, scans_at
 
 
 def scan_at(x, y, yaw, beams=181, T_base_laser=T_BASE_LASER):

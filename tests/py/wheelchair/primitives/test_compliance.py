@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from synthetic_drive import corner_drive
 
 from lfdcore.control import pure_pursuit
 from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel, control_points
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres
+from synthetic_drive import corner_drive
 
 
 def at(degrees, distance=0.8):

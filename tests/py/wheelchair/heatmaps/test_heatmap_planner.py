@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
+from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
 POSE = Pose2(0.013, 0.007, 0.0)
 

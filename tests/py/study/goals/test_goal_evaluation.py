@@ -1,8 +1,6 @@
 """How destinations that are named are judged: shares, kappa, times, NEES, baselines."""
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.metrics import accuracy_score, cohen_kappa_score, confusion_matrix
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, drives, samples_of, tiny_model
-
 from lfdcore.study.goals.evaluation import (
     BASELINES,
     accuracy,

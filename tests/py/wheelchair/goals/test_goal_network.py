@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from goal_worlds import GOALS, drive_to, drives, samples_of
 
+from goal_worlds import GOALS, drive_to, drives, samples_of
 from lfdcore.wheelchair.goals.network import GoalNetwork, sigmoid, smoothed_over_time
 from lfdcore.wheelchair.goals.samples import drive_samples, goal_samples, goal_state
 

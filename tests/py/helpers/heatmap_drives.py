@@ -1,10 +1,10 @@
 """Small drives through the synthetic corridor, as real DriveLogs: what the heatmaps are tested with."""
 
 import numpy as np
-from synthetic_drive import L_WALLS, drive, log_of
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Pose2
+from synthetic_drive import L_WALLS, drive, log_of
 
 
 def corridor_log(segments, start=(0.0, 0.0, 0.0), walls=L_WALLS, name="corridor", **metadata) -> DriveLog:

@@ -1,16 +1,13 @@
 """Pictures of beliefs: ellipses where the belief is, the map where the drive is, animations from the first moment."""
 
 import dataclasses
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drive_to, samples_of, tiny_model
-
 from lfdcore.grid import OccupancyGrid
 from lfdcore.pictures import belief as belief_plots
 from lfdcore.pictures.belief import (

@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from heatmap_drives import around_the_corner, corridor_log
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from heatmap_drives import around_the_corner, corridor_log
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError

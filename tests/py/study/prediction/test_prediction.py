@@ -1,7 +1,6 @@
 """Prediction along logs: an L corridor made with NumPy, and the real logs with the claims of docs/real-logs.md."""
 
 import dataclasses
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,6 @@ from lfdcore.study.prediction.tables import as_json, as_text, error_rows, pooled
 from lfdcore.study.report.statistics import block_bootstrap, block_bootstrap_ratio
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.stick import StickMeaning, with_stick
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import L_WALLS, corner_drive, scans_at
 
 

@@ -1,9 +1,9 @@
 """Q-learning on a grid in plain NumPy, over states and moves as printed, and the exact optimum's path."""
 
 import numpy as np
-from dpp_oracle import optimal_values, successors
 from numpy.typing import NDArray
 
+from dpp_oracle import optimal_values, successors
 from lfdcore.planning import GridMdp, QLearningConfig
 
 Array = NDArray[np.float64]

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from heatmap_drives import around_the_corner, corridor_log
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
+from heatmap_drives import around_the_corner, corridor_log
 from lfdcore.study.heatmaps.calibration import crossed_cells, reliability
 from lfdcore.wheelchair.heatmaps.calibration import HeatmapCalibration, pooled
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, drive, log_of
 
 from lfdcore.geometry import Pose2
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
@@ -13,6 +12,7 @@ from lfdcore.wheelchair.primitives.local_paths import (
     LocalPaths,
     extract_local_paths,
 )
+from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, drive, log_of
 
 FAR_WALLS = np.array(
     [[[-50, -50], [50, -50]], [[50, -50], [50, 50]], [[50, 50], [-50, 50]], [[-50, 50], [-50, -50]]], float
