@@ -89,7 +89,7 @@ def _real_section(study: StudyModels) -> list[Section]:
     prediction = predict_log(log, models)
     caption = (
         f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "
-        "input complied, orange-red where not."
+        "input complied, orange where not."
     )
     picture = Picture(prediction_figure([prediction]), caption)
     return [Section(title, "A real robot's log, not simulated.", [prediction_table(prediction)], [picture])]

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lfdcore.pictures.style import PAGE, Picture, png, styled
+from lfdcore.pictures.style import ANOTHER, BASELINE, LEARNED, PAGE, REFERENCE, RULE, Picture, png, styled
 from lfdcore.study.adaptation.study import STAGES, AdaptationRun, pooled_ratio
 from lfdcore.study.report.page import Section, write_figures, write_report
 from lfdcore.study.report.statistics import block_bootstrap_ratio, summarise
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 TITLE = "On-line adaptation to a driver with a steering bias (Sec. 6.2.1)"
 WANTED_BIASED, WANTED_UNBIASED = 0.7, 1.05
 """Largest ratio to the trained model's error, of a biased and of an unbiased driver."""
-COLOURS = {"before": "#4a5058", "then": "#f39c12", "adapting": "#1a9850"}
+COLOURS = {"before": BASELINE, "then": ANOTHER, "adapting": LEARNED}
 _BIN = 10.0
 """[s]"""
 
@@ -149,13 +149,13 @@ def adaptation_figure(runs: Sequence[AdaptationRun]) -> Figure:
     for axes, (bias, mine) in zip(panels, groups, strict=True):
         for stage, label in names.items():
             _draw(axes, mine, stage, label)
-        axes.axvline(after, color="#8a9099", lw=0.8, ls="--", zorder=1)
+        axes.axvline(after, color=REFERENCE, lw=0.8, ls="--", zorder=1)
         axes.set(
             xlabel="time into the drive [s]",
             title=f"bias {bias:+.2f} rad, n = {len(mine)}" if bias else f"no bias, n = {len(mine)}",
         )
         axes.set_xlim(left=0)
-        axes.grid(axis="y", lw=0.4, color="#d0d7de")
+        axes.grid(axis="y", lw=0.4, color=RULE)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylim(bottom=0)  # of all, once all is drawn: limits set before would cut what comes later
     panels[0].set_ylabel("error of the joystick model [rad]")

@@ -13,7 +13,20 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lfdcore import __version__
-from lfdcore.pictures.style import PAGE, Picture, styled
+from lfdcore.pictures.style import (
+    ANOTHER,
+    BASELINE,
+    BLUE,
+    GREEN,
+    INK,
+    PAGE,
+    PURPLE,
+    RULE,
+    SKY,
+    VERMILLION,
+    Picture,
+    styled,
+)
 from lfdcore.study.handovers.study import MEASURES, METHODS, SHARES, STEPS, TESTED, HandoverStudy, TaskErrors
 from lfdcore.study.report.page import Section, write_figures, write_report
 from lfdcore.study.report.statistics import block_bootstrap
@@ -26,7 +39,7 @@ WARPED, MEAN, NEAREST = (
     METHODS.index("nearest demonstration"),
 )
 LIKELIEST = METHODS.index("IP")
-COLOURS = ("#c1121f", "#e08e0b", "#b5179e", "#1a1a1a", "#7a828c", "#2563c9", "#1a9850", "#00a6b4")
+COLOURS = (BLUE, PURPLE, SKY, ANOTHER, BASELINE, VERMILLION, GREEN, INK)
 """of METHODS"""
 ABOUT = (
     "People hand something to each other; the giver is the partner, the taker's hand stands for the robot's. Of each "
@@ -159,7 +172,7 @@ def _draw_errors(axes: Axes, result: TaskErrors, measure: int, seed: int) -> Non
             axes.fill_between(at, found[:, 1], found[:, 2], color=COLOURS[k], alpha=0.14, lw=0)
     axes.set(title=MEASURES[measure], xlabel="of the giver's motion seen [%]", xlim=(0, 100))
     axes.set_ylim(bottom=0)
-    axes.grid(color="#e4e7eb", lw=0.6)
+    axes.grid(color=RULE, lw=0.6)
 
 
 def handover_headline(results: Sequence[TaskErrors], study: HandoverStudy) -> str:

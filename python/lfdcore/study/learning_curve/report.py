@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.course import arm_name
-from lfdcore.pictures.style import PAGE, Picture, png, styled
+from lfdcore.pictures.style import METHOD_COLOURS, PAGE, RULE, Picture, png, styled
 from lfdcore.study.learning_curve.study import METHODS, NOBODY, CurvePoint, LearningCurve
 from lfdcore.study.prediction.study import STRAIGHT
 from lfdcore.study.report.page import Section, write_figures, write_report
@@ -20,7 +20,6 @@ from lfdcore.study.report.table import Table
 Estimate = tuple[float, float, float]
 """figure, and its 95 % interval"""
 
-COLOURS = {"primitives": "#2563c9", "heatmaps": "#d1495b", NOBODY: "#4a5058"}
 MARKS = {"primitives": "o", "heatmaps": "s"}
 TITLE = "How much demonstration is enough"
 _APART = 1.03  # the methods stand side by side
@@ -111,7 +110,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
             at,
             value,
             [np.nan_to_num(value - low), np.nan_to_num(high - value)],
-            color=COLOURS[method],
+            color=METHOD_COLOURS[method],
             marker=MARKS[method],
             ms=4,
             lw=1.3,
@@ -122,7 +121,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
         )
     alone = estimate(next(point for point in points if point.method == NOBODY))
     if np.isfinite(alone[0]):
-        axes.axhline(alone[0], color=COLOURS[NOBODY], lw=1.0, ls="--", label="unassisted")
+        axes.axhline(alone[0], color=METHOD_COLOURS[NOBODY], lw=1.0, ls="--", label="unassisted")
 
 
 @styled
@@ -132,7 +131,7 @@ def curve_figure(curve: LearningCurve) -> Figure:
     points = curve.points()
     panels = figure.subplots(1, len(PANELS))
     baseline, error = curve.baseline()
-    line = panels[-1].axhline(error.mean, color=COLOURS[NOBODY], lw=1.0, ls=":")
+    line = panels[-1].axhline(error.mean, color=METHOD_COLOURS[NOBODY], lw=1.0, ls=":")
     for axes, (label, estimate) in zip(panels, PANELS, strict=True):
         _draw(axes, points, estimate)
         axes.set_xscale("log")
@@ -140,7 +139,7 @@ def curve_figure(curve: LearningCurve) -> Figure:
         axes.minorticks_off()
         axes.set(xlabel="runs demonstrated", title=label)
         axes.set_ylim(bottom=0)
-        axes.grid(axis="y", lw=0.4, color="#d0d7de")
+        axes.grid(axis="y", lw=0.4, color=RULE)
         axes.spines[["top", "right"]].set_visible(False)
     handles, names = panels[0].get_legend_handles_labels()
     handles, names = [*handles, line], [*names, f"{baseline} (last panel)"]

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lfdcore import __version__
-from lfdcore.pictures.style import Picture, styled
+from lfdcore.pictures.style import PAGE, REFERENCE, RULE, SERIES, Picture, styled
 from lfdcore.study.report.aims import Aim
 from lfdcore.study.report.page import Section, write_figures, write_report
 from lfdcore.study.report.statistics import block_bootstrap
@@ -21,7 +21,7 @@ QUESTIONS = {
     "foreign": "refuses a foreign task",
     "switches": "names the second task",
 }
-COLOURS = {"tasks": "#1a9850", "foreign": "#2563c9", "switches": "#c1121f"}
+COLOURS = dict(zip(QUESTIONS, SERIES, strict=False))
 
 
 def sequence_rows(results: Sequence[DrawAnswers], study: SequenceStudy) -> list[dict[str, object]]:
@@ -88,7 +88,7 @@ def aims_table(results: Sequence[DrawAnswers]) -> Table:
 @styled
 def sequence_figure(results: Sequence[DrawAnswers], study: SequenceStudy) -> Figure:
     """Right answers against the share observed."""
-    figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+    figure = Figure(figsize=(0.6 * PAGE, 3.8), layout="constrained")
     axes = figure.subplots()
     at = 100 * np.array(SHARES)
     for what, words in QUESTIONS.items():
@@ -96,9 +96,9 @@ def sequence_figure(results: Sequence[DrawAnswers], study: SequenceStudy) -> Fig
         low, high = block_bootstrap(values, draws, study.seed)
         axes.plot(at, 100 * values.mean(axis=0), "o-", color=COLOURS[what], ms=3.5, lw=1.6, label=words)
         axes.fill_between(at, 100 * low, 100 * high, color=COLOURS[what], alpha=0.14, lw=0)
-    axes.axhline(90, color="#59636e", lw=0.8, ls=":")
+    axes.axhline(90, color=REFERENCE, lw=0.8, ls=":")
     axes.set(xlabel="of the motion seen [%]", ylabel="right answers [%]", xlim=(0, 100), ylim=(0, 102))
-    axes.grid(color="#e4e7eb", lw=0.6)
+    axes.grid(color=RULE, lw=0.6)
     axes.legend(loc="lower right")
     return figure
 
