@@ -1,4 +1,5 @@
-# make demo   demonstrations -> a learned assistant -> a driver in a course never seen; ends with a table and report.html
+# make demo   an assistant learned from demonstrations -> a driver in a course never seen; ends with a table and report.html
+#             TRAIN=1 learns its models first, for which it installs torch; else they are those that come with the package
 # make test   builds, then runs gtest and pytest
 # Both install what is missing: system packages through apt where that is allowed, the rest into .venv.
 
@@ -7,12 +8,17 @@ BIN := $(VENV)/bin
 # pinned: an open range takes several gigabytes of CUDA packages; users choose their own build
 TORCH := torch==2.13.0
 LINTED := python tests/py benchmarks examples tools
+BUILD_WITHOUT_TESTS := --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
 SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
 
-.PHONY: demo test check format stubs benchmark clean
+# an extra of pyproject.toml, and what lfdcore demo takes
+DEMO_EXTRA := $(if $(filter-out 0,$(TRAIN)),train,study)
+DEMO_OPTION := $(if $(filter-out 0,$(TRAIN)),--train)
 
-demo: $(VENV)/.installed-study
-	$(BIN)/lfdcore demo --output demo
+.PHONY: demo test check format stubs models benchmark clean
+
+demo: $(VENV)/.installed-$(DEMO_EXTRA)
+	$(BIN)/lfdcore demo --output demo $(DEMO_OPTION)
 
 test: $(VENV)/.installed-test
 	build/release/lfdcore_tests --gtest_brief=1
@@ -33,6 +39,9 @@ format: $(VENV)/.installed-test
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py
 
+models: $(VENV)/.installed-train
+	$(BIN)/python tools/make_models.py
+
 benchmark: $(VENV)/.installed-test
 	$(BIN)/pip install --quiet '.[benchmark]'
 	for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
@@ -42,13 +51,17 @@ $(BIN)/python:
 	python3 -m venv $(VENV)
 
 $(VENV)/.installed-study: $(SOURCES) | $(BIN)/python
-	$(BIN)/pip install --quiet $(TORCH) '.[study,train]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
+	$(BIN)/pip install --quiet '.[study]' $(BUILD_WITHOUT_TESTS)
 	touch $@
+
+$(VENV)/.installed-train: $(SOURCES) | $(BIN)/python
+	$(BIN)/pip install --quiet $(TORCH) '.[study,train]' $(BUILD_WITHOUT_TESTS)
+	touch $@ $(VENV)/.installed-study
 
 $(VENV)/.installed-test: $(SOURCES) $(wildcard tests/cpp/*.cpp tests/cpp/*/*.cpp) | $(BIN)/python
 	sh tools/system-packages.sh build test
 	$(BIN)/pip install --quiet $(TORCH) '.[study,train,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
-	touch $@ $(VENV)/.installed-study
+	touch $@ $(VENV)/.installed-study $(VENV)/.installed-train
 
 clean:
 	rm -rf build $(VENV)

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "architecture.md"
 HEADERS, PACKAGE = ROOT / "cpp" / "include" / "lfdcore", ROOT / "python" / "lfdcore"
 CPP = ("", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics")
-PYTHON = ("", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study", "cli")
+PYTHON = ("", "models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study", "cli")
 """Folders from the bottom up; '' are the files beside them. A folder that is not here is an error."""
 ABBREVIATIONS = ("App", "Sec", "Fig", "Alg", "Eq", "Ch", "cf")
 """Their full stop ends no sentence."""
@@ -44,7 +44,7 @@ def said_by_module(path: Path) -> str:
 
 def row(base: Path, path: Path, said: str) -> str:
     """One line of a table. ValueError for a file that says nothing of itself."""
-    name = path.relative_to(base).with_suffix("").as_posix()
+    name = path.relative_to(base).with_suffix("").as_posix().removesuffix("/__init__")
     if not said:
         raise ValueError(f"{path.relative_to(ROOT)} does not begin with a sentence that says what it holds")
     escaped = said.replace("|", "\\|")
@@ -52,15 +52,19 @@ def row(base: Path, path: Path, said: str) -> str:
 
 
 def in_order(base: Path, folders: Iterable[str], suffix: str) -> list[Path]:
-    """Files folder by folder, those of a folder before its subfolders'. ValueError for a folder in none of `folders`."""
+    """Files folder by folder, a folder's before its subfolders'. ValueError for a folder that is in none of `folders`.
+
+    A package with nothing but its __init__ is listed as that.
+    """
     known = {folder for folder in folders if folder}
     there = {p.name for p in base.iterdir() if p.is_dir() and not p.name.startswith("_")}
     if there != known:
         raise ValueError(f"folders in {base.relative_to(ROOT)} are {sorted(there)}, named are {sorted(known)}")
     files = []
     for folder in folders:
-        found = base.glob(f"*{suffix}") if not folder else (base / folder).rglob(f"*{suffix}")
-        files += sorted((p for p in found if p.name[0] != "_"), key=lambda p: (len(p.parts), p))
+        found = list(base.glob(f"*{suffix}") if not folder else (base / folder).rglob(f"*{suffix}"))
+        shown = [p for p in found if p.name[0] != "_"] or [p for p in found if p.name == "__init__.py"]
+        files += sorted(shown, key=lambda p: (len(p.parts), p))
     return files
 
 

@@ -1,6 +1,8 @@
 """The docs say what is there: modules, files, sources' references, code that runs."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -29,19 +31,22 @@ def test_every_link_leads_somewhere(page: Path) -> None:
             assert anchor in slugs, f"{page.name} links to {target}#{anchor}"
 
 
-def test_architecture_names_every_module_and_no_other() -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text()
-    package, headers = ROOT / "python" / "lfdcore", ROOT / "cpp" / "include" / "lfdcore"
-    stages = ("datasets", "wheelchair", "humanoid", "training", "study")
-    modules = [p for stage in stages for p in (package / stage).glob("[!_]*.py")]
-    named = set(re.findall(r"[\w/]+", "".join(re.findall(r"^\| (`.*?) \|", text, flags=re.MULTILINE))))
-    ends = {name.split("/")[-1] for name in named}
-    there = {p.stem for p in modules} | {p.stem for p in headers.rglob("*.hpp")}
-    assert not there - ends, f"not in architecture.md: {sorted(there - ends)}"
-    folders = {p.name for p in package.iterdir()} | {p.name for p in headers.iterdir()} | {"courses", ""}
-    layers = {"vocabulary", "bindings", "facades", "C", "Python", "python", "lfdcore", "errors"}
-    gone = ends - there - folders - layers
-    assert not gone, f"architecture.md names {sorted(gone)}, which are not there"
+def test_the_tables_of_architecture_are_those_that_the_tool_makes() -> None:
+    tool = ROOT / "tools" / "make_architecture.py"
+    made = subprocess.run([sys.executable, str(tool), "--check"], capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stderr
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_file_of_ours_that_a_page_names_is_there(page: Path) -> None:
+    stages = "|".join(
+        sorted(p.name for p in (ROOT / "python" / "lfdcore").iterdir() if p.is_dir() and p.name[0] != "_")
+    )
+    for path in re.findall(rf"(?<![\w/])((?:{stages})/[\w/]+(?:\.py)?)(?![\w/])", page.read_text()):
+        named = ROOT / "python" / "lfdcore" / path.removesuffix(".py")
+        header = ROOT / "cpp" / "include" / "lfdcore" / path
+        there = named.is_dir() or named.with_suffix(".py").exists() or header.with_suffix(".hpp").exists()
+        assert there, f"{page.name} names {path}"
 
 
 def test_every_erratum_and_choice_that_sources_cite_is_explained() -> None:

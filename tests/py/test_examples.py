@@ -53,6 +53,13 @@ def test_drive_a_course_prints_a_row_for_each_assistant() -> None:
     assert all(re.search(r"\d contacts  angular jerk \d", row) for row in rows)
 
 
+def test_the_ways_with_and_without_help_are_drawn_side_by_side(tmp_path: Path) -> None:
+    rows = output_of("draw_assisted.py", 1, folder=tmp_path)
+    assert [row.split(":")[0] for row in rows] == ["Without help", "With help"]
+    assert all(row.endswith("1 of 1 completed") for row in rows)
+    assert (tmp_path / "assisted.png").read_bytes()[:4] == b"\x89PNG"
+
+
 def test_predict_a_log_compares_with_both_baselines(drive: Path) -> None:
     head, *rows = output_of("predict_a_log.py", drive)
     assert re.match(r"[1-9]\d* samples", head)

@@ -14,13 +14,14 @@ FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "e
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
     "datasets": FACADES,
+    "models": set(),
     "wheelchair": FACADES | {"datasets"},
     "humanoid": FACADES | {"datasets"},
     "simulated": FACADES | {"datasets", "wheelchair", "humanoid"},
     "training": FACADES | {"datasets", "wheelchair", "humanoid"},
     "pictures": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training"},
-    "study": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
-    "cli": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
+    "study": FACADES | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
+    "cli": FACADES | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion", "row_matrix"}

@@ -4,7 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/estimation/action_model.hpp"
 #include "lfdcore/estimation/belief.hpp"
@@ -15,7 +17,6 @@
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Indices = py::array_t<std::int64_t, py::array::c_style>;
 
 // Asked for as doubles: as integers, NumPy would cut 1.5 to 1 in silence.
@@ -29,8 +30,6 @@ std::vector<std::int64_t> indices_of(const Doubles& given) {
   }
   return indices;
 }
-
-std::span<const double> view(const Doubles& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
 Belief belief_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
   require(mean.size() <= most_goal_dimensions && covariance.rows() <= most_goal_dimensions &&
@@ -60,20 +59,14 @@ void bind_kernel(py::module_& m) {
            py::arg("amplitude"), py::arg("state_lengthscales"), py::arg("goal_lengthscales"), py::arg("noise"),
            "amplitude and noise: standard deviations in the action's unit; state_lengthscales (Dx,) in the state's "
            "units; goal_lengthscales (Dg,) [m], at most 4. ValueError unless noise is in [0, 1e20], all others in "
-           "[1e-20, "
-           "1e20].")
+           "[1e-20, 1e20].")
       .def_readonly("amplitude", &ActionKernel::amplitude)
       .def_readonly("state_lengthscales", &ActionKernel::state_lengthscales, "(Dx,), a view")
       .def_readonly("goal_lengthscales", &ActionKernel::goal_lengthscales, "(Dg,) [m], a view")
       .def_readonly("noise", &ActionKernel::noise)
-      .def(py::pickle(
-          [](const ActionKernel& k) {
-            return py::make_tuple(k.amplitude, k.state_lengthscales, k.goal_lengthscales, k.noise);
-          },
-          [](const py::tuple& t) {
-            return ActionKernel{t[0].cast<double>(), t[1].cast<Eigen::VectorXd>(), t[2].cast<Eigen::VectorXd>(),
-                                t[3].cast<double>()};
-          }));
+      .def(pickled_by_name(
+          Field("amplitude", &ActionKernel::amplitude), Field("state_lengthscales", &ActionKernel::state_lengthscales),
+          Field("goal_lengthscales", &ActionKernel::goal_lengthscales), Field("noise", &ActionKernel::noise)));
 }
 
 ActionMoments moments_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
@@ -120,8 +113,7 @@ void bind_belief(py::module_& m) {
           },
           py::arg("prior"), py::arg("process_noise"),
           "With process_noise [m^2] more variance along every axis, then cut where that is wider than the prior (not "
-          "if "
-          "the prior is singular). ValueError for a negative process_noise.")
+          "if the prior is singular). ValueError for a negative process_noise.")
       .def(
           "conditioned",
           [](const Belief& self, const ActionMoments& moments, const Eigen::VectorXd& action) {
@@ -157,12 +149,10 @@ void bind_model(py::module_& m) {
            py::arg("states"), py::arg("goals"), py::arg("actions"), py::arg("kernels"), py::arg("subset") = py::none(),
            py::arg("projected") = true,
            "states (N, Dx), goals (N, Dg) [m], actions (N, Da), a kernel for every action. subset (S,) integers: the "
-           "samples to "
-           "use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what others of "
-           "the subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. Holds 4 N^2 "
-           "bytes "
-           "an action, 4 S^2 with a subset. ValueError for data that do not fit or are not finite, indices out of "
-           "range or named twice, a covariance that is not positive definite.")
+           "samples to use, if projected as the basis of a predictor that keeps all N targets (DTC, ERRATA 14; what "
+           "others of the subset span to 1e-10 is left out), else as a smaller training set, as the thesis has it. "
+           "Holds 4 N^2 bytes an action, 4 S^2 with a subset. ValueError for data that do not fit or are not finite, "
+           "indices out of range or named twice, a covariance that is not positive definite.")
       .def(
           "moments",
           [](const ActionModel& self, const Doubles& state, const Eigen::VectorXd& mean,
@@ -244,11 +234,9 @@ void bind_subset(py::module_& m) {
       py::arg("states"), py::arg("goals"), py::arg("actions"), py::arg("kernels"), py::arg("size"),
       py::arg("candidates") = 59, py::arg("seed") = 1,
       "Alg. 1 (ERRATA 11): (size,) int64 indices in the order of selection. In each round, of `candidates` samples "
-      "drawn "
-      "from those left, the one that lowers sum_a Q_a / var(y_a) most; ties to the smallest index; one that the "
-      "selected "
-      "span to 1e-10 gains nothing (ERRATA 13). Needs some 8 N (size + 96) bytes an action. ValueError for a size that "
-      "is not in [1, N], candidates < 1, and as ActionModel.");
+      "drawn from those left, the one that lowers sum_a Q_a / var(y_a) most; ties to the smallest index; one that the "
+      "selected span to 1e-10 gains nothing (ERRATA 13). Needs some 8 N (size + 96) bytes an action. ValueError for a "
+      "size that is not in [1, N], candidates < 1, and as ActionModel.");
 }
 
 }  // namespace

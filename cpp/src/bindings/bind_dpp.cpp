@@ -1,4 +1,6 @@
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/planning/dpp.hpp"
 
@@ -18,8 +20,7 @@ CellPath as_cells(const py::array& cells) {
   return given.cast<int>();
 }
 
-Preferences as_preferences(const py::array_t<double, py::array::c_style | py::array::forcecast>& given,
-                           const GridMdp& mdp) {
+Preferences as_preferences(const Doubles& given, const GridMdp& mdp) {
   const bool fits = given.ndim() == 3 && given.shape(0) == mdp.height() && given.shape(1) == mdp.width() &&
                     given.shape(2) == action_count;
   require(fits, "initial_preference must be a (" + std::to_string(mdp.height()) + ", " + std::to_string(mdp.width()) +
@@ -50,32 +51,12 @@ void bind_grid_mdp(py::module_& m) {
 }
 
 void bind_path_reward(py::module_& m) {
-  const RewardConfig config;
-  py::class_<RewardConfig>(
-      m, "RewardConfig",
-      "Rewards of Sec. 3.5: obstacle and border (the outermost ring of cells), spread by a Gaussian "
-      "of blur_sigma [cells] cut off at 4 sigma; path_first .. path_last linearly along the path.")
-      .def(py::init([](float obstacle, float border, double blur_sigma, float path_first, float path_last) {
-             const RewardConfig made{obstacle, border, blur_sigma, path_first, path_last};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("obstacle") = config.obstacle, py::arg("border") = config.border,
-           py::arg("blur_sigma") = config.blur_sigma, py::arg("path_first") = config.path_first,
-           py::arg("path_last") = config.path_last)
-      .def_readonly("obstacle", &RewardConfig::obstacle)
-      .def_readonly("border", &RewardConfig::border)
-      .def_readonly("blur_sigma", &RewardConfig::blur_sigma, "[cells]")
-      .def_readonly("path_first", &RewardConfig::path_first)
-      .def_readonly("path_last", &RewardConfig::path_last)
-      .def(py::pickle(
-          [](const RewardConfig& c) {
-            return py::make_tuple(c.obstacle, c.border, c.blur_sigma, c.path_first, c.path_last);
-          },
-          [](const py::tuple& t) {
-            return RewardConfig{t[0].cast<float>(), t[1].cast<float>(), t[2].cast<double>(), t[3].cast<float>(),
-                                t[4].cast<float>()};
-          }));
+  bind_settings(m, "RewardConfig",
+                "Rewards of Sec. 3.5: obstacle and border (the outermost ring of cells), spread by a Gaussian "
+                "of blur_sigma [cells] cut off at 4 sigma; path_first .. path_last linearly along the path.",
+                Field("obstacle", &RewardConfig::obstacle), Field("border", &RewardConfig::border),
+                Field("blur_sigma", &RewardConfig::blur_sigma, "[cells]"),
+                Field("path_first", &RewardConfig::path_first), Field("path_last", &RewardConfig::path_last));
   m.def(
       "path_cells", [](const Path& path, const OccupancyGrid& grid) { return path_cells(path, grid.geometry); },
       py::arg("path"), py::arg("grid"),
@@ -87,7 +68,7 @@ void bind_path_reward(py::module_& m) {
       [](const Mask& occupied, const py::array& cells, const RewardConfig& reward_config) {
         return path_reward(occupied, as_cells(cells), reward_config);
       },
-      py::arg("occupied"), py::arg("path_cells"), py::arg("config") = config,
+      py::arg("occupied"), py::arg("path_cells"), py::arg("config") = RewardConfig{},
       "The reward (H, W) float32 of Sec. 3.5 for occupied cells (H, W) bool and path cells (N, 2) [ix, iy]: obstacles "
       "and border blurred, the path over that, obstacles and border over the path (ERRATA 21). A cell that the path "
       "visits twice keeps its later reward. ValueError for an empty grid or a path cell outside it.");
@@ -117,28 +98,13 @@ void bind_greedy_path(py::module_& m) {
 }
 
 void bind_config(py::module_& m) {
-  const DppConfig config;
-  py::class_<DppConfig>(m, "DppConfig",
-                        "discount gamma in (0, 1); inverse_temperature eta [1/reward] > 0; sweeps 1..100 000 (Sec. 3.5 "
-                        "prints K = 100, which is 99 sweeps: ERRATA 16); blocked: moves into blocked cells do not "
-                        "exist, else the mask is ignored and obstacles are soft (ERRATA 20).")
-      .def(py::init([](double discount, double inverse_temperature, int sweeps, bool blocked) {
-             const DppConfig made{discount, inverse_temperature, sweeps, blocked};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("discount") = config.discount,
-           py::arg("inverse_temperature") = config.inverse_temperature, py::arg("sweeps") = config.sweeps,
-           py::arg("blocked") = config.blocked)
-      .def_readonly("discount", &DppConfig::discount)
-      .def_readonly("inverse_temperature", &DppConfig::inverse_temperature, "[1/reward]")
-      .def_readonly("sweeps", &DppConfig::sweeps)
-      .def_readonly("blocked", &DppConfig::blocked)
-      .def(py::pickle(
-          [](const DppConfig& c) { return py::make_tuple(c.discount, c.inverse_temperature, c.sweeps, c.blocked); },
-          [](const py::tuple& t) {
-            return DppConfig{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<int>(), t[3].cast<bool>()};
-          }));
+  bind_settings(m, "DppConfig",
+                "discount gamma in (0, 1); inverse_temperature eta [1/reward] > 0; sweeps 1..100 000 (Sec. 3.5 "
+                "prints K = 100, which is 99 sweeps: ERRATA 16); blocked: moves into blocked cells do not "
+                "exist, else the mask is ignored and obstacles are soft (ERRATA 20).",
+                Field("discount", &DppConfig::discount),
+                Field("inverse_temperature", &DppConfig::inverse_temperature, "[1/reward]"),
+                Field("sweeps", &DppConfig::sweeps), Field("blocked", &DppConfig::blocked));
 }
 
 void bind_result(py::module_& m) {

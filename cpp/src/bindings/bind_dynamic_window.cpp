@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/control/dynamic_window.hpp"
 
 namespace lfdcore {
@@ -6,31 +7,12 @@ namespace {
 
 void bind_config(py::module_& m) {
   using Config = DynamicWindowConfig;
-  const Config config;
-  py::class_<Config>(m, "DynamicWindowConfig",
-                     "Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period "
-                     "[s] that sets the window.")
-      .def(py::init([](int linear_samples, int angular_samples, double horizon, double step, double period) {
-             const Config made{linear_samples, angular_samples, horizon, step, period};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("linear_samples") = config.linear_samples,
-           py::arg("angular_samples") = config.angular_samples, py::arg("horizon") = config.horizon,
-           py::arg("step") = config.step, py::arg("period") = config.period)
-      .def_readonly("linear_samples", &Config::linear_samples)
-      .def_readonly("angular_samples", &Config::angular_samples)
-      .def_readonly("horizon", &Config::horizon, "[s]")
-      .def_readonly("step", &Config::step, "[s]")
-      .def_readonly("period", &Config::period, "[s]")
-      .def(py::pickle(
-          [](const Config& c) {
-            return py::make_tuple(c.linear_samples, c.angular_samples, c.horizon, c.step, c.period);
-          },
-          [](const py::tuple& t) {
-            return Config{t[0].cast<int>(), t[1].cast<int>(), t[2].cast<double>(), t[3].cast<double>(),
-                          t[4].cast<double>()};
-          }));
+  bind_settings(m, "DynamicWindowConfig",
+                "Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period "
+                "[s] that sets the window.",
+                Field("linear_samples", &Config::linear_samples), Field("angular_samples", &Config::angular_samples),
+                Field("horizon", &Config::horizon, "[s]"), Field("step", &Config::step, "[s]"),
+                Field("period", &Config::period, "[s]"));
 }
 
 }  // namespace

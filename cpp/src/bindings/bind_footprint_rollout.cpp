@@ -1,29 +1,16 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/control/footprint_rollout.hpp"
 
 namespace lfdcore {
 namespace {
 
-FootprintRolloutConfig make_config(double look_ahead, double linear, double duration, double step) {
-  const FootprintRolloutConfig made{look_ahead, linear, duration, step};
-  validate(made);
-  return made;
-}
-
 void bind_config(py::module_& m) {
-  const FootprintRolloutConfig config;
-  py::class_<FootprintRolloutConfig>(m, "FootprintRolloutConfig", "How a path's pursuit is rolled out.")
-      .def(py::init(&make_config), py::kw_only(), py::arg("look_ahead") = config.look_ahead,
-           py::arg("linear") = config.linear, py::arg("duration") = config.duration, py::arg("step") = config.step)
-      .def_readonly("look_ahead", &FootprintRolloutConfig::look_ahead, "of the pursuit [m] (Sec. 3.4.3)")
-      .def_readonly("linear", &FootprintRolloutConfig::linear, "speed wanted along the path [m/s]")
-      .def_readonly("duration", &FootprintRolloutConfig::duration, "how far ahead in time [s]")
-      .def_readonly("step", &FootprintRolloutConfig::step, "between commands [s]")
-      .def(py::pickle(
-          [](const FootprintRolloutConfig& c) { return py::make_tuple(c.look_ahead, c.linear, c.duration, c.step); },
-          [](const py::tuple& t) {
-            return make_config(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>());
-          }));
+  bind_settings(m, "FootprintRolloutConfig", "How a path's pursuit is rolled out.",
+                Field("look_ahead", &FootprintRolloutConfig::look_ahead, "of the pursuit [m] (Sec. 3.4.3)"),
+                Field("linear", &FootprintRolloutConfig::linear, "speed wanted along the path [m/s]"),
+                Field("duration", &FootprintRolloutConfig::duration, "how far ahead in time [s]"),
+                Field("step", &FootprintRolloutConfig::step, "between commands [s]"));
 }
 
 void bind_rollout(py::module_& m) {

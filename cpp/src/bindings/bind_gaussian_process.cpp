@@ -3,7 +3,9 @@
 #include <limits>
 #include <mutex>
 
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/estimation/differential_evolution.hpp"
 #include "lfdcore/estimation/gaussian_process.hpp"
@@ -12,8 +14,6 @@
 
 namespace lfdcore {
 namespace {
-
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 constexpr std::array families{std::pair{"squared_exponential", KernelFamily::squared_exponential},
                               std::pair{"matern_3_2", KernelFamily::matern_3_2},
@@ -30,8 +30,6 @@ std::string name_of(KernelFamily family) {
     if (family == known) return name;
   return "";
 }
-
-std::span<const double> view(const Doubles& array) { return {array.data(), static_cast<std::size_t>(array.size())}; }
 
 // A likelihood has one workspace: calls from several threads wait for each other.
 struct SharedLikelihood {
@@ -149,43 +147,15 @@ void bind_likelihood(py::module_& m) {
 
 void bind_evolution(py::module_& m) {
   using Config = DifferentialEvolutionConfig;
-  const Config defaults;
-  py::class_<Config>(m, "DifferentialEvolutionConfig",
-                     "best/1/bin with dither, as SciPy's defaults: population: members for every parameter; "
-                     "generations: at most; recombination: probability of the mutant's parameter; mutation_low, "
-                     "mutation_high: range of the difference's weight; done once the values' standard deviation is "
-                     "<= absolute_tolerance + tolerance |mean|; seed.")
-      .def(py::init([](int population, int generations, double recombination, double mutation_low, double mutation_high,
-                       double tolerance, double absolute_tolerance, std::uint64_t seed) {
-             const Config config{population,    generations, recombination,      mutation_low,
-                                 mutation_high, tolerance,   absolute_tolerance, seed};
-             validate(config);
-             return config;
-           }),
-           py::kw_only(), py::arg("population") = defaults.population, py::arg("generations") = defaults.generations,
-           py::arg("recombination") = defaults.recombination, py::arg("mutation_low") = defaults.mutation_low,
-           py::arg("mutation_high") = defaults.mutation_high, py::arg("tolerance") = defaults.tolerance,
-           py::arg("absolute_tolerance") = defaults.absolute_tolerance, py::arg("seed") = defaults.seed)
-      .def_readonly("population", &Config::population)
-      .def_readonly("generations", &Config::generations)
-      .def_readonly("recombination", &Config::recombination)
-      .def_readonly("mutation_low", &Config::mutation_low)
-      .def_readonly("mutation_high", &Config::mutation_high)
-      .def_readonly("tolerance", &Config::tolerance)
-      .def_readonly("absolute_tolerance", &Config::absolute_tolerance)
-      .def_readonly("seed", &Config::seed)
-      .def(py::pickle(
-          [](const Config& c) {
-            return py::make_tuple(c.population, c.generations, c.recombination, c.mutation_low, c.mutation_high,
-                                  c.tolerance, c.absolute_tolerance, c.seed);
-          },
-          [](const py::tuple& t) {
-            const Config made{t[0].cast<int>(),    t[1].cast<int>(),          t[2].cast<double>(),
-                              t[3].cast<double>(), t[4].cast<double>(),       t[5].cast<double>(),
-                              t[6].cast<double>(), t[7].cast<std::uint64_t>()};
-            validate(made);
-            return made;
-          }));
+  bind_settings(m, "DifferentialEvolutionConfig",
+                "best/1/bin with dither, as SciPy's defaults: population: members for every parameter; "
+                "generations: at most; recombination: probability of the mutant's parameter; mutation_low, "
+                "mutation_high: range of the difference's weight; done once the values' standard deviation is "
+                "<= absolute_tolerance + tolerance |mean|; seed.",
+                Field("population", &Config::population), Field("generations", &Config::generations),
+                Field("recombination", &Config::recombination), Field("mutation_low", &Config::mutation_low),
+                Field("mutation_high", &Config::mutation_high), Field("tolerance", &Config::tolerance),
+                Field("absolute_tolerance", &Config::absolute_tolerance), Field("seed", &Config::seed));
   using Result = DifferentialEvolutionResult;
   py::class_<Result>(m, "DifferentialEvolutionResult",
                      "best (D,), its value, generations, evaluations; converged is False if the generations ran out.")
@@ -208,8 +178,7 @@ void bind_evolution(py::module_& m) {
       },
       py::arg("objective"), py::arg("bounds"), py::arg("config") = Config{},
       "Minimises objective((D,)) -> float in the box of bounds (D, 2); NaN counts as +inf. The same seed gives the "
-      "same "
-      "result. ValueError for bounds that are not finite or not low < high.");
+      "same result. ValueError for bounds that are not finite or not low < high.");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <sstream>
 
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/geometry.hpp"
 #include "lfdcore/motion.hpp"
 #include "lfdcore/path.hpp"
@@ -84,35 +85,13 @@ void bind_footprint(py::module_& m) {
 }
 
 void bind_motion(py::module_& m) {
-  const MotionLimits limits;
-  py::class_<MotionLimits>(m, "MotionLimits",
-                           "Speeds [m/s, rad/s] and accelerations [m/s^2, rad/s^2] of the chair, all positive.")
-      .def(py::init([](double max_linear, double max_reverse, double max_angular, double linear_acceleration,
-                       double linear_braking, double angular_acceleration) {
-             const MotionLimits made{max_linear,          max_reverse,    max_angular,
-                                     linear_acceleration, linear_braking, angular_acceleration};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("max_linear") = limits.max_linear, py::arg("max_reverse") = limits.max_reverse,
-           py::arg("max_angular") = limits.max_angular, py::arg("linear_acceleration") = limits.linear_acceleration,
-           py::arg("linear_braking") = limits.linear_braking,
-           py::arg("angular_acceleration") = limits.angular_acceleration)
-      .def_readonly("max_linear", &MotionLimits::max_linear, "ahead [m/s]")
-      .def_readonly("max_reverse", &MotionLimits::max_reverse, "backwards [m/s], positive")
-      .def_readonly("max_angular", &MotionLimits::max_angular, "[rad/s]")
-      .def_readonly("linear_acceleration", &MotionLimits::linear_acceleration, "speeding up [m/s^2]")
-      .def_readonly("linear_braking", &MotionLimits::linear_braking, "slowing down [m/s^2]")
-      .def_readonly("angular_acceleration", &MotionLimits::angular_acceleration, "either way [rad/s^2]")
-      .def(py::pickle(
-          [](const MotionLimits& l) {
-            return py::make_tuple(l.max_linear, l.max_reverse, l.max_angular, l.linear_acceleration, l.linear_braking,
-                                  l.angular_acceleration);
-          },
-          [](const py::tuple& t) {
-            return MotionLimits{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
-                                t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>()};
-          }));
+  bind_settings(m, "MotionLimits", "Speeds [m/s, rad/s] and accelerations [m/s^2, rad/s^2] of the chair, all positive.",
+                Field("max_linear", &MotionLimits::max_linear, "ahead [m/s]"),
+                Field("max_reverse", &MotionLimits::max_reverse, "backwards [m/s], positive"),
+                Field("max_angular", &MotionLimits::max_angular, "[rad/s]"),
+                Field("linear_acceleration", &MotionLimits::linear_acceleration, "speeding up [m/s^2]"),
+                Field("linear_braking", &MotionLimits::linear_braking, "slowing down [m/s^2]"),
+                Field("angular_acceleration", &MotionLimits::angular_acceleration, "either way [rad/s^2]"));
   m.def("approach", &approach, py::arg("current"), py::arg("wanted"), py::arg("limits"), py::arg("duration"),
         "The twist after `duration` [s] of changing `current` towards `wanted` as fast as the limits allow; `wanted` "
         "beyond the speed limits is cut to them.");

@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/grid/distance_field.hpp"
 #include "lfdcore/grid/grid.hpp"
 #include "lfdcore/grid/heatmap_map.hpp"
@@ -87,14 +88,9 @@ void bind_laser_scan(py::module_& m) {
                                                                             0.0, s.ranges.size() - 1.0));
           },
           "(B,) [rad] in the laser's frame")
-      .def(py::pickle(
-          [](const LaserScan& s) {
-            return py::make_tuple(s.ranges, s.angle_min, s.angle_increment, s.range_min, s.range_max);
-          },
-          [](const py::tuple& t) {
-            return LaserScan{t[0].cast<std::vector<float>>(), t[1].cast<double>(), t[2].cast<double>(),
-                             t[3].cast<double>(), t[4].cast<double>()};
-          }));
+      .def(pickled_by_name(Field("ranges", &LaserScan::ranges), Field("angle_min", &LaserScan::angle_min),
+                           Field("angle_increment", &LaserScan::angle_increment),
+                           Field("range_min", &LaserScan::range_min), Field("range_max", &LaserScan::range_max)));
 }
 
 void bind_obstacle_points(py::module_& m) {
@@ -128,9 +124,8 @@ void bind_rolling_map(py::module_& m) {
   py::class_<RollingMap>(
       m, "RollingMap",
       "A map of recent scans around the robot, aligned with the odometry frame, for what the LIDAR no longer sees.\n\n"
-      "Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration` "
-      "[s];\n"
-      "a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.\n"
+      "Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration`\n"
+      "[s]; a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.\n"
       "radius [m], 0.5 to 20: how far from the robot obstacles() looks.")
       .def(py::init<double, double>(), py::arg("duration") = 30.0, py::arg("radius") = 4.0)
       .def("insert", &RollingMap::insert, py::arg("stamp"), py::arg("scan"), py::arg("T_base_laser"),
@@ -156,16 +151,15 @@ void bind_distance_field(py::module_& m) {
         "that is not positive.");
   m.def("inflate", &inflate, py::arg("occupied"), py::arg("radius"), py::arg("resolution"), without_gil(),
         "Cells whose centre lies within `radius` [m] of an occupied centre: (H, W) bool -> (H, W) bool. ValueError for "
-        "an "
-        "empty mask, a negative radius or a resolution [m] that is not positive.");
+        "an empty mask, a negative radius or a resolution [m] that is not positive.");
 }
 
 void bind_ray_casting(py::module_& m) {
   using Angles = py::array_t<double, py::array::c_style | py::array::forcecast>;
   py::class_<RayCaster>(
       m, "RayCaster",
-      "Exact ray casting in a map: the distance to the entry into the first cell occupied from 65 % "
-      "on, as a walk from cell to cell finds it. Unknown cells are transparent. Takes 4 bytes a cell.")
+      "Exact ray casting in a map: the distance to the entry into the first cell occupied from 65 % on, as a walk from "
+      "cell to cell finds it. Unknown cells are transparent. Takes 4 bytes a cell.")
       .def(py::init<const OccupancyGrid&, double>(), py::arg("grid"), py::arg("range_max"), without_gil())
       .def(
           "cast",
@@ -182,8 +176,7 @@ void bind_ray_casting(py::module_& m) {
           },
           py::arg("T_map_laser"), py::arg("angles"),
           "Ranges (B,) float32 [m] at angles (B,) [rad] in the laser's frame: 0 if the laser is in an occupied cell, "
-          "inf "
-          "if nothing is hit within range_max or before the map's end. ValueError for a pose or angle that is not "
+          "inf if nothing is hit within range_max or before the map's end. ValueError for a pose or angle that is not "
           "finite.")
       .def_property_readonly("range_max", &RayCaster::range_max, "[m]");
 }

@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/planning/hybrid_astar.hpp"
 
 namespace lfdcore {
@@ -6,57 +7,24 @@ namespace {
 
 using Config = HybridAstarConfig;
 
-Config make_config(double margin, double goal_tolerance, double heading_tolerance, double window, int max_expansions,
-                   bool allow_reverse, double turn_cost, double curvature_cost, double pivot_cost,
-                   double pivot_turn_cost, double reverse_cost, double clearance_cost, double comfort,
-                   double eagerness) {
-  const Config made{margin,        goal_tolerance, heading_tolerance, window,     max_expansions,
-                    allow_reverse, turn_cost,      curvature_cost,    pivot_cost, pivot_turn_cost,
-                    reverse_cost,  clearance_cost, comfort,           eagerness};
-  validate(made);
-  return made;
-}
-
-py::tuple state(const Config& c) {
-  return py::make_tuple(c.margin, c.goal_tolerance, c.heading_tolerance, c.window, c.max_expansions, c.allow_reverse,
-                        c.turn_cost, c.curvature_cost, c.pivot_cost, c.pivot_turn_cost, c.reverse_cost,
-                        c.clearance_cost, c.comfort, c.eagerness);
-}
-
-Config from_state(const py::tuple& t) {
-  const auto number = [&t](int i) { return t[i].cast<double>(); };
-  return make_config(number(0), number(1), number(2), number(3), t[4].cast<int>(), t[5].cast<bool>(), number(6),
-                     number(7), number(8), number(9), number(10), number(11), number(12), number(13));
-}
-
 void bind_config(py::module_& m) {
-  const Config c;
-  py::class_<Config>(m, "HybridAstarConfig",
-                     "Settings of the hybrid A* search. Costs are lengths [m]: what one would rather drive than suffer "
-                     "the thing once, or per unit of it.")
-      .def(py::init(&make_config), py::kw_only(), py::arg("margin") = c.margin,
-           py::arg("goal_tolerance") = c.goal_tolerance, py::arg("heading_tolerance") = c.heading_tolerance,
-           py::arg("window") = c.window, py::arg("max_expansions") = c.max_expansions,
-           py::arg("allow_reverse") = c.allow_reverse, py::arg("turn_cost") = c.turn_cost,
-           py::arg("curvature_cost") = c.curvature_cost, py::arg("pivot_cost") = c.pivot_cost,
-           py::arg("pivot_turn_cost") = c.pivot_turn_cost, py::arg("reverse_cost") = c.reverse_cost,
-           py::arg("clearance_cost") = c.clearance_cost, py::arg("comfort") = c.comfort,
-           py::arg("eagerness") = c.eagerness)
-      .def_readonly("margin", &Config::margin, "kept free around the footprint [m]")
-      .def_readonly("goal_tolerance", &Config::goal_tolerance, "of the base_link origin [m]")
-      .def_readonly("heading_tolerance", &Config::heading_tolerance, "of the final heading, if asked for [rad]")
-      .def_readonly("window", &Config::window, "base_link's origin stays within this of the start in x and y [m]")
-      .def_readonly("max_expansions", &Config::max_expansions, "of a search; failed searches cost all of them")
-      .def_readonly("allow_reverse", &Config::allow_reverse, "drive backwards too")
-      .def_readonly("turn_cost", &Config::turn_cost, "[m/rad]")
-      .def_readonly("curvature_cost", &Config::curvature_cost, "of a change of curvature [m per 1/m]")
-      .def_readonly("pivot_cost", &Config::pivot_cost, "of starting to turn in place [m]")
-      .def_readonly("pivot_turn_cost", &Config::pivot_turn_cost, "of turning in place [m/rad]")
-      .def_readonly("reverse_cost", &Config::reverse_cost, "added to each metre backwards")
-      .def_readonly("clearance_cost", &Config::clearance_cost, "added to each metre at clearance 0")
-      .def_readonly("comfort", &Config::comfort, "clearance from which on more is not better [m]")
-      .def_readonly("eagerness", &Config::eagerness, "weight of the heuristic; 1: least cost, more: sooner found")
-      .def(py::pickle(&state, &from_state));
+  bind_settings(m, "HybridAstarConfig",
+                "Settings of the hybrid A* search. Costs are lengths [m]: what one would rather drive than suffer "
+                "the thing once, or per unit of it.",
+                Field("margin", &Config::margin, "kept free around the footprint [m]"),
+                Field("goal_tolerance", &Config::goal_tolerance, "of the base_link origin [m]"),
+                Field("heading_tolerance", &Config::heading_tolerance, "of the final heading, if asked for [rad]"),
+                Field("window", &Config::window, "base_link's origin stays within this of the start in x and y [m]"),
+                Field("max_expansions", &Config::max_expansions, "of a search; failed searches cost all of them"),
+                Field("allow_reverse", &Config::allow_reverse, "drive backwards too"),
+                Field("turn_cost", &Config::turn_cost, "[m/rad]"),
+                Field("curvature_cost", &Config::curvature_cost, "of a change of curvature [m per 1/m]"),
+                Field("pivot_cost", &Config::pivot_cost, "of starting to turn in place [m]"),
+                Field("pivot_turn_cost", &Config::pivot_turn_cost, "of turning in place [m/rad]"),
+                Field("reverse_cost", &Config::reverse_cost, "added to each metre backwards"),
+                Field("clearance_cost", &Config::clearance_cost, "added to each metre at clearance 0"),
+                Field("comfort", &Config::comfort, "clearance from which on more is not better [m]"),
+                Field("eagerness", &Config::eagerness, "weight of the heuristic; 1: least cost, more: sooner found"));
 }
 
 void bind_result(py::module_& m) {

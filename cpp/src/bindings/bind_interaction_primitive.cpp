@@ -13,13 +13,6 @@ using Config = InteractionPrimitiveConfig;
 using OptionalVector = std::optional<Eigen::VectorXd>;
 using OptionalSeries = std::optional<RowMatrix>;
 
-Config config_of(const DmpConfig& dmp, const std::string& observe, std::optional<double> noise,
-                 double environment_noise, bool printed_environment_weights) {
-  const Config config{dmp, observed_of("observe", observe), noise, environment_noise, printed_environment_weights};
-  validate(config);
-  return config;
-}
-
 // An observer has one state: calls from several threads wait for each other.
 struct SharedObserver {
   InteractionObserver observer;
@@ -39,33 +32,17 @@ py::array stacked(const std::vector<RowMatrix>& motions, Eigen::Index steps, Eig
 }
 
 void bind_config(py::module_& m) {
-  const Config defaults;
-  py::class_<Config>(
+  bind_settings(
       m, "InteractionPrimitiveConfig",
       "observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', "
-      "which needs no derivatives. noise: sigma^2, a variance in the unit of "
-      "what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, "
-      "dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. "
-      "printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian "
-      "with theta (ERRATA 42). ValueError unless the variances are > 0.")
-      .def(py::init(&config_of), py::kw_only(), py::arg("dmp") = defaults.dmp,
-           py::arg("observe") = name_of(defaults.observe), py::arg("noise") = py::none(),
-           py::arg("environment_noise") = defaults.environment_noise,
-           py::arg("printed_environment_weights") = defaults.printed_environment_weights)
-      .def_readonly("dmp", &Config::dmp)
-      .def_property_readonly("observe", [](const Config& c) { return std::string(name_of(c.observe)); })
-      .def_readonly("noise", &Config::noise)
-      .def_readonly("environment_noise", &Config::environment_noise)
-      .def_readonly("printed_environment_weights", &Config::printed_environment_weights)
-      .def(py::pickle(
-          [](const Config& c) {
-            return py::make_tuple(c.dmp, name_of(c.observe), c.noise, c.environment_noise,
-                                  c.printed_environment_weights);
-          },
-          [](const py::tuple& t) {
-            return config_of(t[0].cast<DmpConfig>(), t[1].cast<std::string>(), t[2].cast<std::optional<double>>(),
-                             t[3].cast<double>(), t[4].cast<bool>());
-          }));
+      "which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default "
+      "the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). "
+      "environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as "
+      "w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the "
+      "variances are > 0.",
+      Field("dmp", &Config::dmp), Field("observe", &Config::observe), Field("noise", &Config::noise),
+      Field("environment_noise", &Config::environment_noise),
+      Field("printed_environment_weights", &Config::printed_environment_weights));
 }
 
 void bind_posterior(py::module_& m) {

@@ -1,4 +1,6 @@
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/kinematics/joint_trajectory.hpp"
 
@@ -86,9 +88,8 @@ void bind_model(py::module_& m) {
             return model.chain(base, tip, rigid_transform(T_tip_tool, "T_tip_tool"));
           },
           py::arg("base"), py::arg("tip"), py::arg("T_tip_tool") = Matrix4(Matrix4::Identity()),
-          "The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of "
-          "links.\n"
-          "ValueError for unknown links, a chain without movable joints or no rigid transform.")
+          "The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of\n"
+          "links. ValueError for unknown links, a chain without movable joints or no rigid transform.")
       .def("forward", &link_pose, py::arg("q"), py::arg("link"),
            "T_root_link (4, 4) at q (N,), joints as in joint_names. ValueError for another length, values that are not "
            "finite or an unknown link.");
@@ -96,34 +97,15 @@ void bind_model(py::module_& m) {
 
 using Config = InverseKinematicsConfig;
 
-Config make_config(double position_tolerance, double rotation_tolerance, int iterations, int restarts, int postures,
-                   double damping) {
-  const Config made{position_tolerance, rotation_tolerance, iterations, restarts, postures, damping};
-  validate(made);
-  return made;
-}
-
 void bind_ik_config(py::module_& m) {
-  const Config c;
-  py::class_<Config>(m, "InverseKinematicsConfig", "Settings of the inverse kinematics.")
-      .def(py::init(&make_config), py::kw_only(), py::arg("position_tolerance") = c.position_tolerance,
-           py::arg("rotation_tolerance") = c.rotation_tolerance, py::arg("iterations") = c.iterations,
-           py::arg("restarts") = c.restarts, py::arg("postures") = c.postures, py::arg("damping") = c.damping)
-      .def_readonly("position_tolerance", &Config::position_tolerance, "of a solution [m]")
-      .def_readonly("rotation_tolerance", &Config::rotation_tolerance, "of a solution [rad]")
-      .def_readonly("iterations", &Config::iterations, "at most, of one descent")
-      .def_readonly("restarts", &Config::restarts, "descents at most, besides that from a seed; 0: only from the seed")
-      .def_readonly("postures", &Config::postures, "fixed ones that restarts are chosen from")
-      .def_readonly("damping", &Config::damping, "times the squared error, of the normal equations")
-      .def(py::pickle(
-          [](const Config& s) {
-            return py::make_tuple(s.position_tolerance, s.rotation_tolerance, s.iterations, s.restarts, s.postures,
-                                  s.damping);
-          },
-          [](const py::tuple& t) {
-            return make_config(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<int>(), t[3].cast<int>(),
-                               t[4].cast<int>(), t[5].cast<double>());
-          }));
+  bind_settings(
+      m, "InverseKinematicsConfig", "Settings of the inverse kinematics.",
+      Field("position_tolerance", &Config::position_tolerance, "of a solution [m]"),
+      Field("rotation_tolerance", &Config::rotation_tolerance, "of a solution [rad]"),
+      Field("iterations", &Config::iterations, "at most, of one descent"),
+      Field("restarts", &Config::restarts, "descents at most, besides that from a seed; 0: only from the seed"),
+      Field("postures", &Config::postures, "fixed ones that restarts are chosen from"),
+      Field("damping", &Config::damping, "times the squared error, of the normal equations"));
 }
 
 void bind_ik(py::module_& m) {
@@ -138,11 +120,10 @@ void bind_ik(py::module_& m) {
       .def_readonly("iterations", &Result::iterations, "of all descents together");
   py::class_<InverseKinematics>(
       m, "InverseKinematics",
-      "Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error\n"
-      "(Sugihara 2011), joints that would leave their limits held at them and the rest solved again. Restarts begin "
-      "at\n"
-      "those of a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose\n"
-      "tools are nearest to the pose. Deterministic; may be shared between threads.")
+      "Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error (Sugihara\n"
+      "2011), joints that would leave their limits held at them and the rest solved again. Restarts begin at those of\n"
+      "a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose tools are\n"
+      "nearest to the pose. Deterministic; may be shared between threads.")
       .def(py::init<KinematicChain, const Config&>(), py::arg("chain"), py::kw_only(), py::arg("config") = Config{},
            without_gil())
       .def(
@@ -151,10 +132,9 @@ void bind_ik(py::module_& m) {
             return solver.solve(rigid_transform(T_base_tool, "T_base_tool"), seed);
           },
           py::arg("T_base_tool"), py::arg("seed") = std::nullopt, without_gil(),
-          "For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits), "
-          "then\n"
-          "by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid transform\n"
-          "or a seed of another length.");
+          "For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits),\n"
+          "then by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid\n"
+          "transform or a seed of another length.");
   m.def(
       "solve_inverse_kinematics",
       [](const KinematicChain& chain, const Matrix4& T_base_tool, const Config& config,
@@ -200,44 +180,19 @@ void bind_self_collision(py::module_& m) {
           py::arg("q"), "The smallest distance [m] and the names of the two links.");
 }
 
-FollowConfig make_follow_config(const Config& inverse_kinematics, double centring, double clearance, double avoidance,
-                                double avoidance_speed, double largest_step, double velocity_share, double smoothing,
-                                int starts) {
-  const FollowConfig made{inverse_kinematics, centring,       clearance, avoidance, avoidance_speed,
-                          largest_step,       velocity_share, smoothing, starts};
-  validate(made);
-  return made;
-}
-
 void bind_follow_config(py::module_& m) {
   using Follow = FollowConfig;
-  const Follow c;
-  py::class_<Follow>(m, "FollowConfig", "Settings of follow_poses.")
-      .def(py::init(&make_follow_config), py::kw_only(), py::arg("inverse_kinematics") = c.inverse_kinematics,
-           py::arg("centring") = c.centring, py::arg("clearance") = c.clearance, py::arg("avoidance") = c.avoidance,
-           py::arg("avoidance_speed") = c.avoidance_speed, py::arg("largest_step") = c.largest_step,
-           py::arg("velocity_share") = c.velocity_share, py::arg("smoothing") = c.smoothing,
-           py::arg("starts") = c.starts)
-      .def_readonly("inverse_kinematics", &Follow::inverse_kinematics, "of each pose")
-      .def_readonly("centring", &Follow::centring, "rate at which free joints tend to mid-range [1/s]")
-      .def_readonly("clearance", &Follow::clearance, "that links must keep from each other [m]")
-      .def_readonly("avoidance", &Follow::avoidance, "from this distance of links on, free joints part them [m]")
-      .def_readonly("avoidance_speed", &Follow::avoidance_speed, "of that motion where links touch [rad/s]")
-      .def_readonly("largest_step", &Follow::largest_step,
-                    "of a joint from sample to sample; more counts as a jump [rad or m]")
-      .def_readonly("velocity_share", &Follow::velocity_share, "of the velocity limits that is used")
-      .def_readonly("smoothing", &Follow::smoothing, "slowing down spreads this far to both sides [s]")
-      .def_readonly("starts", &Follow::starts, "first postures tried where none is given")
-      .def(py::pickle(
-          [](const Follow& f) {
-            return py::make_tuple(f.inverse_kinematics, f.centring, f.clearance, f.avoidance, f.avoidance_speed,
-                                  f.largest_step, f.velocity_share, f.smoothing, f.starts);
-          },
-          [](const py::tuple& t) {
-            const auto number = [&t](int i) { return t[i].cast<double>(); };
-            return make_follow_config(t[0].cast<Config>(), number(1), number(2), number(3), number(4), number(5),
-                                      number(6), number(7), t[8].cast<int>());
-          }));
+  bind_settings(m, "FollowConfig", "Settings of follow_poses.",
+                Field("inverse_kinematics", &Follow::inverse_kinematics, "of each pose"),
+                Field("centring", &Follow::centring, "rate at which free joints tend to mid-range [1/s]"),
+                Field("clearance", &Follow::clearance, "that links must keep from each other [m]"),
+                Field("avoidance", &Follow::avoidance, "from this distance of links on, free joints part them [m]"),
+                Field("avoidance_speed", &Follow::avoidance_speed, "of that motion where links touch [rad/s]"),
+                Field("largest_step", &Follow::largest_step,
+                      "of a joint from sample to sample; more counts as a jump [rad or m]"),
+                Field("velocity_share", &Follow::velocity_share, "of the velocity limits that is used"),
+                Field("smoothing", &Follow::smoothing, "slowing down spreads this far to both sides [s]"),
+                Field("starts", &Follow::starts, "first postures tried where none is given"));
 }
 
 void bind_follow_result(py::module_& m) {
@@ -249,8 +204,7 @@ void bind_follow_result(py::module_& m) {
       .def_property_readonly(
           "outcome", [](const FollowResult& r) { return to_string(r.outcome); },
           "'followed' | 'out_of_reach' (no posture inside the limits reaches the pose) | 'no_continuous_path' (one "
-          "does, "
-          "but not without a jump) | 'self_collision' (links nearer than the clearance, free joints cannot help)")
+          "does, but not without a jump) | 'self_collision' (links nearer than the clearance, free joints cannot help)")
       .def_readonly("trajectory", &FollowResult::trajectory, "unless followed, only what comes before the failure")
       .def_readonly("first_failure", &FollowResult::first_failure, "index of the first pose not followed, or None")
       .def_readonly("position_error", &FollowResult::position_error, "largest [m]")
@@ -266,9 +220,7 @@ void bind_follow_result(py::module_& m) {
           "indices into RobotModel.link_names of the two links at `clearance`, or None");
 }
 
-using PoseArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-std::vector<Eigen::Isometry3d> poses_from(const PoseArray& array) {
+std::vector<Eigen::Isometry3d> poses_from(const Doubles& array) {
   require(array.ndim() == 3 && array.shape(1) == 4 && array.shape(2) == 4, "T_base_tool must be (T, 4, 4)");
   std::vector<Eigen::Isometry3d> poses;
   poses.reserve(static_cast<std::size_t>(array.shape(0)));
@@ -279,7 +231,7 @@ std::vector<Eigen::Isometry3d> poses_from(const PoseArray& array) {
   return poses;
 }
 
-FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, const PoseArray& T_base_tool,
+FollowResult follow(const KinematicChain& chain, const Eigen::VectorXd& time, const Doubles& T_base_tool,
                     const std::optional<Eigen::VectorXd>& start, const FollowConfig& config,
                     const std::optional<SelfCollision>& self_collision,
                     const std::optional<py::array_t<double>>& posture) {
@@ -303,25 +255,20 @@ void bind_follow(py::module_& m) {
       py::arg("self_collision") = std::nullopt, py::arg("posture") = std::nullopt,
       "Joint positions and velocities that follow poses T_base_tool (T, 4, 4) at `time` (T,) [s], sample by sample\n"
       "from the last posture, inside the position limits; joints that the pose leaves free tend to mid-range and away\n"
-      "from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing "
-      "is\n"
-      "clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from\n"
-      "there), or from the best of several first postures. With self_collision, `posture` says where the robot's "
-      "other\n"
-      "joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer than "
-      "2\n"
-      "poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.");
+      "from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing\n"
+      "is clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from\n"
+      "there), or from the best of several first postures. With self_collision, `posture` says where the robot's\n"
+      "other joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer\n"
+      "than 2 poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.");
   m.def(
       "slow_down", &slow_down, py::arg("time"), py::arg("positions"), py::arg("velocity"), py::arg("smoothing") = 0.2,
       without_gil(),
-      "Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval "
-      "takes\n"
-      "as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms: stack\n"
-      "their positions. ValueError like follow_poses.");
+      "Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval\n"
+      "takes as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms:\n"
+      "stack their positions. ValueError like follow_poses.");
   m.def("joint_velocities", &joint_velocities, py::arg("time"), py::arg("positions"), without_gil(),
-        "(T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the "
-        "ends;\n"
-        "never above the fastest chord. ValueError like follow_poses.");
+        "(T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the\n"
+        "ends; never above the fastest chord. ValueError like follow_poses.");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/planning/heatmap_reward.hpp"
 #include "lfdcore/planning/q_learning.hpp"
 
@@ -10,54 +11,25 @@ using CellTuple = std::pair<int, int>;
 Cell as_cell(CellTuple cell) { return {cell.first, cell.second}; }
 
 void bind_heatmap_reward(py::module_& m) {
-  const HeatmapRewardConfig config;
-  py::class_<HeatmapRewardConfig>(m, "HeatmapRewardConfig",
-                                  "Rewards of Sec. 4.5 of blocked cells (obstacle) and of the outermost ring (border).")
-      .def(py::init([](float obstacle, float border) {
-             const HeatmapRewardConfig made{obstacle, border};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("obstacle") = config.obstacle, py::arg("border") = config.border)
-      .def_readonly("obstacle", &HeatmapRewardConfig::obstacle)
-      .def_readonly("border", &HeatmapRewardConfig::border)
-      .def(py::pickle([](const HeatmapRewardConfig& c) { return py::make_tuple(c.obstacle, c.border); },
-                      [](const py::tuple& t) { return HeatmapRewardConfig{t[0].cast<float>(), t[1].cast<float>()}; }));
-  m.def("heatmap_reward", &heatmap_reward, py::arg("heatmap"), py::arg("blocked"), py::arg("config") = config,
-        without_gil(),
+  bind_settings(m, "HeatmapRewardConfig",
+                "Rewards of Sec. 4.5 of blocked cells (obstacle) and of the outermost ring (border).",
+                Field("obstacle", &HeatmapRewardConfig::obstacle), Field("border", &HeatmapRewardConfig::border));
+  m.def("heatmap_reward", &heatmap_reward, py::arg("heatmap"), py::arg("blocked"),
+        py::arg("config") = HeatmapRewardConfig{}, without_gil(),
         "The reward (H, W) float32 of Sec. 4.5: the heatmap (H, W) in [0, 1], the border over it, blocked cells (H, W) "
         "bool (the obstacles grown by what the chair needs) over both. ValueError for an empty heatmap, heat outside "
         "[0, 1] or NaN, or shapes that differ.");
 }
 
 void bind_config(py::module_& m) {
-  const QLearningConfig config;
-  py::class_<QLearningConfig>(
+  bind_settings(
       m, "QLearningConfig",
       "learning_rate alpha in (0, 1]; discount gamma in (0, 1), .9 in Sec. 4.5, which sees some 10 cells (ERRATA 31, "
       "F9); sweeps 1..100 000 (the printed K = 100 is 99: ERRATA 16); initial_value Q_0 [reward]; blocked: moves into "
-      "blocked cells do not exist, else the mask is ignored and obstacles are soft (as printed; ERRATA 20).")
-      .def(py::init([](double learning_rate, double discount, int sweeps, double initial_value, bool blocked) {
-             const QLearningConfig made{learning_rate, discount, sweeps, initial_value, blocked};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("learning_rate") = config.learning_rate, py::arg("discount") = config.discount,
-           py::arg("sweeps") = config.sweeps, py::arg("initial_value") = config.initial_value,
-           py::arg("blocked") = config.blocked)
-      .def_readonly("learning_rate", &QLearningConfig::learning_rate)
-      .def_readonly("discount", &QLearningConfig::discount)
-      .def_readonly("sweeps", &QLearningConfig::sweeps)
-      .def_readonly("initial_value", &QLearningConfig::initial_value, "[reward]")
-      .def_readonly("blocked", &QLearningConfig::blocked)
-      .def(py::pickle(
-          [](const QLearningConfig& c) {
-            return py::make_tuple(c.learning_rate, c.discount, c.sweeps, c.initial_value, c.blocked);
-          },
-          [](const py::tuple& t) {
-            return QLearningConfig{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<int>(), t[3].cast<double>(),
-                                   t[4].cast<bool>()};
-          }));
+      "blocked cells do not exist, else the mask is ignored and obstacles are soft (as printed; ERRATA 20).",
+      Field("learning_rate", &QLearningConfig::learning_rate), Field("discount", &QLearningConfig::discount),
+      Field("sweeps", &QLearningConfig::sweeps), Field("initial_value", &QLearningConfig::initial_value, "[reward]"),
+      Field("blocked", &QLearningConfig::blocked));
 }
 
 void bind_result(py::module_& m) {

@@ -1,4 +1,6 @@
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/error.hpp"
 #include "lfdcore/estimation/rbf_network.hpp"
 #include "lfdcore/estimation/rbf_network_bank.hpp"
@@ -6,13 +8,7 @@
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Integers = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
-
-template <class T>
-std::span<const T> view(const py::array_t<T, py::array::c_style | py::array::forcecast>& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
+using Integers = Contiguous<std::int32_t>;
 
 Integers as_view(const std::vector<std::int32_t>& values, const py::object& owner) {
   Integers array(static_cast<py::ssize_t>(values.size()), values.data(), owner);
@@ -23,25 +19,11 @@ Integers as_view(const std::vector<std::int32_t>& values, const py::object& owne
 RbfNetworkBank::Keys copy(const Integers& values) { return {values.data(), values.data() + values.size()}; }
 
 void bind_config(py::module_& m) {
-  const RbfNetworkConfig defaults;
-  py::class_<RbfNetworkConfig>(
-      m, "RbfNetworkConfig",
-      "sigma: standard deviation of every Gaussian, in the inputs' units; threshold: stop once "
-      "the largest squared residual is below it; max_centres: at most so many (App. C.1).")
-      .def(py::init([](double sigma, double threshold, int max_centres) {
-             const RbfNetworkConfig config{sigma, threshold, max_centres};
-             validate(config);
-             return config;
-           }),
-           py::kw_only(), py::arg("sigma") = defaults.sigma, py::arg("threshold") = defaults.threshold,
-           py::arg("max_centres") = defaults.max_centres)
-      .def_readonly("sigma", &RbfNetworkConfig::sigma)
-      .def_readonly("threshold", &RbfNetworkConfig::threshold)
-      .def_readonly("max_centres", &RbfNetworkConfig::max_centres)
-      .def(py::pickle([](const RbfNetworkConfig& c) { return py::make_tuple(c.sigma, c.threshold, c.max_centres); },
-                      [](const py::tuple& t) {
-                        return RbfNetworkConfig{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<int>()};
-                      }));
+  bind_settings(m, "RbfNetworkConfig",
+                "sigma: standard deviation of every Gaussian, in the inputs' units; threshold: stop once "
+                "the largest squared residual is below it; max_centres: at most so many (App. C.1).",
+                Field("sigma", &RbfNetworkConfig::sigma), Field("threshold", &RbfNetworkConfig::threshold),
+                Field("max_centres", &RbfNetworkConfig::max_centres));
 }
 
 void bind_network(py::module_& m) {

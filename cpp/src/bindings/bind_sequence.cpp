@@ -1,13 +1,14 @@
 #include <mutex>
 #include <utility>
 
+#include "arrays.hpp"
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/primitives/sequence.hpp"
 
 namespace lfdcore {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Config = SequenceConfig;
 
 // A filter has one state: calls from several threads wait for each other.
@@ -16,46 +17,22 @@ struct SharedHmm {
   std::mutex busy{};
 };
 
-Config config_of(int phase_steps, double pause, double finish, double chain, double abandon, double start,
-                 double none_prior, double background_width, double widening, double least_deviation) {
-  const Config made{phase_steps, pause,      finish,           chain,    abandon,
-                    start,       none_prior, background_width, widening, least_deviation};
-  validate(made);
-  return made;
-}
-
 void bind_config(py::module_& m) {
-  const Config defaults;
-  py::class_<Config>(m, "SequenceConfig",
-                     "Transition probabilities (a sample's) and densities of SequenceHmm; none is learned. ValueError "
-                     "names a field.")
-      .def(py::init(&config_of), py::kw_only(), py::arg("phase_steps") = defaults.phase_steps,
-           py::arg("pause") = defaults.pause, py::arg("finish") = defaults.finish, py::arg("chain") = defaults.chain,
-           py::arg("abandon") = defaults.abandon, py::arg("start") = defaults.start,
-           py::arg("none_prior") = defaults.none_prior, py::arg("background_width") = defaults.background_width,
-           py::arg("widening") = defaults.widening, py::arg("least_deviation") = defaults.least_deviation)
-      .def_readonly("phase_steps", &Config::phase_steps, "S, states a primitive, 2..1000")
-      .def_readonly("pause", &Config::pause, "P(the partner stands still), [0, 1)")
-      .def_readonly("finish", &Config::finish, "P(a primitive's last step is left), (0, 1]")
-      .def_readonly("chain", &Config::chain, "P(another primitive begins at once | one was left), else none of them")
-      .def_readonly("abandon", &Config::abandon, "P(any other step -> none of them), [0, 1)")
-      .def_readonly("start", &Config::start, "P(none of them -> the beginning of a primitive), [0, 1]")
-      .def_readonly("none_prior", &Config::none_prior, "P(none of them at the first sample), [0, 1)")
-      .def_readonly("background_width", &Config::background_width,
-                    "none of them is uniform over this many times the demonstrations' range, > 0")
-      .def_readonly("widening", &Config::widening, "factor on the demonstrations' variance, > 0")
-      .def_readonly("least_deviation", &Config::least_deviation,
-                    "least standard deviation, as a share of the demonstrations' range, > 0")
-      .def(py::pickle(
-          [](const Config& c) {
-            return py::make_tuple(c.phase_steps, c.pause, c.finish, c.chain, c.abandon, c.start, c.none_prior,
-                                  c.background_width, c.widening, c.least_deviation);
-          },
-          [](const py::tuple& t) {
-            const auto number = [&](std::size_t i) { return t[i].cast<double>(); };
-            return config_of(t[0].cast<int>(), number(1), number(2), number(3), number(4), number(5), number(6),
-                             number(7), number(8), number(9));
-          }));
+  bind_settings(m, "SequenceConfig",
+                "Transition probabilities (a sample's) and densities of SequenceHmm; none is learned. ValueError "
+                "names a field.",
+                Field("phase_steps", &Config::phase_steps, "S, states a primitive, 2..1000"),
+                Field("pause", &Config::pause, "P(the partner stands still), [0, 1)"),
+                Field("finish", &Config::finish, "P(a primitive's last step is left), (0, 1]"),
+                Field("chain", &Config::chain, "P(another primitive begins at once | one was left), else none of them"),
+                Field("abandon", &Config::abandon, "P(any other step -> none of them), [0, 1)"),
+                Field("start", &Config::start, "P(none of them -> the beginning of a primitive), [0, 1]"),
+                Field("none_prior", &Config::none_prior, "P(none of them at the first sample), [0, 1)"),
+                Field("background_width", &Config::background_width,
+                      "none of them is uniform over this many times the demonstrations' range, > 0"),
+                Field("widening", &Config::widening, "factor on the demonstrations' variance, > 0"),
+                Field("least_deviation", &Config::least_deviation,
+                      "least standard deviation, as a share of the demonstrations' range, > 0"));
 }
 
 void bind_values(py::module_& m) {
@@ -104,13 +81,12 @@ void bind_hmm(py::module_& m) {
           py::arg("demonstrations"), py::arg("config") = Config{},
           "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid and "
           "once aligned with their mean by DTW; their variance (unbiased, averaged with its mean over the phase) times "
-          "`widening`, plus a "
-          "step's extent, at least `least_deviation` squared. ValueError for none, other shapes and what is not finite "
-          "and within 1e100, naming primitive and demonstration.")
+          "`widening`, plus a step's extent, at least `least_deviation` squared. ValueError for none, other shapes and "
+          "what is not finite and within 1e100, naming primitive and demonstration.")
       .def(
           "observe",
           [](SharedHmm& self, const Doubles& sample) {
-            const std::span<const double> at(sample.data(), static_cast<std::size_t>(sample.size()));
+            const auto at = view(sample);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
             return SequenceBelief(self.hmm.observe(at));

@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/control/supervisor.hpp"
 
 namespace lfdcore {
@@ -6,43 +7,18 @@ namespace {
 
 using Config = SupervisorConfig;
 
-py::tuple state_of(const Config& c) {
-  return py::make_tuple(c.period, c.reaction, c.margin, c.slow_margin, c.slow_linear, c.slow_angular, c.overlap,
-                        c.least_scale, c.linear_samples, c.angular_samples);
-}
-
-Config config_of(const py::tuple& t) {
-  return {t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>(), t[4].cast<double>(),
-          t[5].cast<double>(), t[6].cast<double>(), t[7].cast<double>(), t[8].cast<int>(),    t[9].cast<int>()};
-}
-
 void bind_config(py::module_& m) {
-  const Config config;
-  py::class_<Config>(m, "SupervisorConfig", "How far ahead the supervisor looks and how near it lets the chair come.")
-      .def(py::init([](double period, double reaction, double margin, double slow_margin, double slow_linear,
-                       double slow_angular, double overlap, double least_scale, int linear_samples,
-                       int angular_samples) {
-             const Config made{period,       reaction, margin,      slow_margin,    slow_linear,
-                               slow_angular, overlap,  least_scale, linear_samples, angular_samples};
-             validate(made);
-             return made;
-           }),
-           py::kw_only(), py::arg("period") = config.period, py::arg("reaction") = config.reaction,
-           py::arg("margin") = config.margin, py::arg("slow_margin") = config.slow_margin,
-           py::arg("slow_linear") = config.slow_linear, py::arg("slow_angular") = config.slow_angular,
-           py::arg("overlap") = config.overlap, py::arg("least_scale") = config.least_scale,
-           py::arg("linear_samples") = config.linear_samples, py::arg("angular_samples") = config.angular_samples)
-      .def_readonly("period", &Config::period, "[s] until the next command can take effect")
-      .def_readonly("reaction", &Config::reaction, "[s] until it surely has: period + latency")
-      .def_readonly("margin", &Config::margin, "[m] to keep between footprint and points")
-      .def_readonly("slow_margin", &Config::slow_margin, "[m] the same while slow")
-      .def_readonly("slow_linear", &Config::slow_linear, "[m/s] slow: command and chair at most this fast ...")
-      .def_readonly("slow_angular", &Config::slow_angular, "[rad/s] ... and turning at most this fast")
-      .def_readonly("overlap", &Config::overlap, "[m] points this deep inside the footprint are taken for noise")
-      .def_readonly("least_scale", &Config::least_scale, "share down to which a twist is slowed down first")
-      .def_readonly("linear_samples", &Config::linear_samples, "speeds tried, from the wanted one to 0")
-      .def_readonly("angular_samples", &Config::angular_samples, "turning rates tried, around the wanted one")
-      .def(py::pickle(&state_of, &config_of));
+  bind_settings(m, "SupervisorConfig", "How far ahead the supervisor looks and how near it lets the chair come.",
+                Field("period", &Config::period, "[s] until the next command can take effect"),
+                Field("reaction", &Config::reaction, "[s] until it surely has: period + latency"),
+                Field("margin", &Config::margin, "[m] to keep between footprint and points"),
+                Field("slow_margin", &Config::slow_margin, "[m] the same while slow"),
+                Field("slow_linear", &Config::slow_linear, "[m/s] slow: command and chair at most this fast ..."),
+                Field("slow_angular", &Config::slow_angular, "[rad/s] ... and turning at most this fast"),
+                Field("overlap", &Config::overlap, "[m] points this deep inside the footprint are taken for noise"),
+                Field("least_scale", &Config::least_scale, "share down to which a twist is slowed down first"),
+                Field("linear_samples", &Config::linear_samples, "speeds tried, from the wanted one to 0"),
+                Field("angular_samples", &Config::angular_samples, "turning rates tried, around the wanted one"));
 }
 
 }  // namespace

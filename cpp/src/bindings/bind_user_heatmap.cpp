@@ -13,9 +13,8 @@ void bind_movement_template(py::module_& m) {
   py::class_<MovementTemplate>(
       m, "MovementTemplate",
       "Movement template and distance filter of Sec. 4.4.1 over the local window, from a dense fan of arcs: those "
-      "ahead "
-      "cover the front half, those backwards the rear half (ERRATA 28). Built once for a chair's limits, in some 100 "
-      "ms.")
+      "ahead cover the front half, those backwards the rear half (ERRATA 28). Built once for a chair's limits, in some "
+      "100 ms.")
       .def(py::init<const MotionLimits&>(), py::arg("limits") = MotionLimits{}, without_gil())
       .def_property_readonly("limits", &MovementTemplate::limits)
       .def_property_readonly(
@@ -48,8 +47,7 @@ void bind_moments(py::module_& m) {
       py::arg("mean"), py::arg("variance"),
       "Moments of h from means (2,) [forward, left] and variances (2,) of the stick's axes, Eq. 4.1-4.2 as corrected "
       "(ERRATA 25). The sd is kept within [0.05, pi / sqrt(3)] rad: first order is useless beyond (ERRATA 26). None "
-      "for "
-      "a stick at rest, closer than 1e-6 to its centre. ValueError for values that are not finite or a negative "
+      "for a stick at rest, closer than 1e-6 to its centre. ValueError for values that are not finite or a negative "
       "variance.");
 }
 

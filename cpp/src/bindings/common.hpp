@@ -25,6 +25,8 @@ void bind_rbf_network(py::module_& m);
 void bind_gaussian_process(py::module_& m);
 void bind_action_model(py::module_& m);
 void bind_dtw(py::module_& m);
+void bind_phase_estimator(py::module_& m);
+void bind_orientation(py::module_& m);
 void bind_sequence(py::module_& m);
 void bind_dmp(py::module_& m);
 void bind_interaction_primitive(py::module_& m);

@@ -4,9 +4,8 @@
 PYBIND11_MODULE(_core, m) {
   using namespace lfdcore;
   m.doc() =
-      "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives, "
-      ".kinematics and "
-      ".simulation.";
+      "lfdcore's C++ core; import it through lfdcore.grid, .planning, .control, .estimation, .primitives, .kinematics "
+      "and .simulation.";
   py::register_exception<DataError>(m, "DataError", PyExc_RuntimeError);
   py::register_exception<ModelError>(m, "ModelError", PyExc_RuntimeError);
   auto geometry = m.def_submodule("geometry", "Planar poses, twists, paths and the chair's outline.");
@@ -35,6 +34,8 @@ PYBIND11_MODULE(_core, m) {
   bind_gaussian_process(estimation);
   bind_action_model(estimation);
   bind_dtw(primitives);
+  bind_phase_estimator(primitives);
+  bind_orientation(primitives);
   bind_sequence(primitives);
   bind_dmp(primitives);
   bind_interaction_primitive(primitives);

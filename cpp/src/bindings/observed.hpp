@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields.hpp"
 #include "lfdcore/primitives/dmp.hpp"
 
 namespace lfdcore {
@@ -15,5 +16,12 @@ inline Observed observed_of(const std::string& argument, const std::string& name
 }
 
 inline const char* name_of(Observed observed) { return observed == Observed::forcing ? "forcing" : "positions"; }
+
+template <>
+struct Seen<Observed> {
+  using Type = std::string;
+  static std::string to_python(Observed observed) { return name_of(observed); }
+  static Observed from_python(const char* field, const std::string& name) { return observed_of(field, name); }
+};
 
 }  // namespace lfdcore

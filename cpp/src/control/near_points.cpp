@@ -2,16 +2,16 @@
 
 #include <limits>
 
+#include "../vectorised.hpp"
+
 namespace lfdcore {
 
 constexpr std::size_t lanes = 8, chunk = 64;
 
 // Lowers least[k] to the least slack of the points in lane k. A minimum for each lane, so that the compiler may
 // vectorise without reordering a floating-point reduction.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void lower_slack(const double* x, const double* y,
-                                                                              const double* keep, std::size_t count,
-                                                                              const double* pose, const double* body,
-                                                                              double* least) {
+LFDCORE_CLONES void lower_slack(const double* x, const double* y, const double* keep, std::size_t count,
+                                const double* pose, const double* body, double* least) {
   const double px = pose[0], py = pose[1], c = pose[2], s = pose[3];
   const double front = body[0], rear = body[1], half_width = body[2];
   for (std::size_t i = 0; i < count; i += lanes) {

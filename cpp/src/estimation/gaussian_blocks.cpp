@@ -1,35 +1,11 @@
 #include "gaussian_blocks.hpp"
 
-// glibc's libmvec is used by declaring exp ourselves as vectorisable (see gaussian_kernel.cpp); elsewhere it is scalar.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-extern "C" __attribute__((simd("notinbranch"), const)) double exp(double) noexcept;
-#else
-#include <cmath>
-using std::exp;
-#endif
+#include "../vector_lanes.hpp"
 
-// Always inlined, so that each of the functions at the end compiles the helpers for its own instruction set.
-#define LFDCORE_INLINE inline __attribute__((always_inline))
+LFDCORE_VECTOR_MATH(double exp(double));
 
 namespace lfdcore::detail {
 namespace {
-
-template <int N>
-struct Lanes {
-  using Double __attribute__((vector_size(8 * N))) = double;
-  using Unaligned __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double;
-};
-template <int N>
-using Vec = typename Lanes<N>::Double;
-
-template <int N>
-LFDCORE_INLINE Vec<N> load(const double* from) {
-  return *reinterpret_cast<const typename Lanes<N>::Unaligned*>(from);
-}
-template <int N>
-LFDCORE_INLINE void store(double* to, Vec<N> value) {
-  *reinterpret_cast<typename Lanes<N>::Unaligned*>(to) = value;
-}
 
 // The exponent is held at -345, a covariance of 1e-150 where a^2 = 1: the vector exp is slow near its underflow, and
 // Matern's polynomial must not be infinite there. Held here and not beside exp, where GCC would take the exponential of
@@ -177,14 +153,8 @@ LFDCORE_INLINE void accumulate_panel(double* sums, const double* panel, const do
 
 LFDCORE_BLOCK_KERNELS(Baseline, , 2, 2)
 #if defined(__x86_64__)
-LFDCORE_BLOCK_KERNELS(Avx2, __attribute__((target("avx2,fma"))), 4, 2)
-LFDCORE_BLOCK_KERNELS(Avx512, __attribute__((target("avx2,fma,avx512f,avx512dq,avx512bw,avx512vl"))), 8, 4)
-
-bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
-bool has_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-}
+LFDCORE_BLOCK_KERNELS(Avx2, LFDCORE_AVX2, 4, 2)
+LFDCORE_BLOCK_KERNELS(Avx512, LFDCORE_AVX512, 8, 4)
 #endif
 
 template <class Set>
@@ -209,7 +179,7 @@ std::vector<BlockKernels> block_kernels_of_this_cpu() {
   std::vector<BlockKernels> found{entries<Baseline>()};
 #if defined(__x86_64__)
   if (has_avx2()) found.push_back(entries<Avx2>());
-  if (has_avx2() && has_avx512()) found.push_back(entries<Avx512>());
+  if (has_avx512()) found.push_back(entries<Avx512>());
 #endif
   return found;
 }

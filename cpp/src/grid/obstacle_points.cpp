@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "../vectorised.hpp"
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
@@ -67,8 +68,7 @@ struct Sections {
 };
 
 // In place: distance in rows to the nearest 0 of the same column. Rows run through all columns at once.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void measure_along_columns(std::uint8_t* cells, int width,
-                                                                                        int height) {
+LFDCORE_CLONES void measure_along_columns(std::uint8_t* cells, int width, int height) {
   for (int iy = 1; iy < height; ++iy) {
     std::uint8_t* here = cells + static_cast<std::ptrdiff_t>(iy) * width;
     const std::uint8_t* below = here - width;
@@ -82,8 +82,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) void measure_along_
 }
 
 // row[ix] = min over k of padded[ix + k] + gap(k)^2, where gap(k) = |k| - 1 is what lies between two cells at least.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void measure_along_row(const std::uint8_t* padded,
-                                                                                    std::uint8_t* row, int width) {
+LFDCORE_CLONES void measure_along_row(const std::uint8_t* padded, std::uint8_t* row, int width) {
   for (int ix = 0; ix < width; ++ix) row[ix] = padded[ix + gap_limit];
   for (int k = -gap_limit; k <= gap_limit; ++k) {
     const int gap = std::max(std::abs(k) - 1, 0);

@@ -5,16 +5,12 @@
 #include <limits>
 #include <string>
 
+#include "../vectorised.hpp"
 #include "lfdcore/error.hpp"
 #include "pose_check.hpp"
 
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
-// Lets loops call glibc's vector variants (libmvec), which glibc itself declares under -ffast-math only.
-extern "C" __attribute__((simd("notinbranch"), const)) double sin(double) noexcept;
-extern "C" __attribute__((simd("notinbranch"), const)) double cos(double) noexcept;
-#endif
-
-#define LFDCORE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+LFDCORE_VECTOR_MATH(double sin(double));
+LFDCORE_VECTOR_MATH(double cos(double));
 
 namespace lfdcore {
 namespace {

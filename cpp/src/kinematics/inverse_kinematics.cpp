@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../vectorised.hpp"
 #include "bounded_step.hpp"
 #include "lfdcore/error.hpp"
 
@@ -51,9 +52,7 @@ Eigen::Matrix<float, 12, 1> feature(const Eigen::Isometry3d& T) {
   return made;
 }
 
-__attribute__((target_clones("avx512f", "avx2", "default"))) void squared_distances(const float* features,
-                                                                                    const float* wanted, int count,
-                                                                                    float* distances) {
+LFDCORE_CLONES void squared_distances(const float* features, const float* wanted, int count, float* distances) {
   for (int i = 0; i < count; ++i) distances[i] = 0;
   for (int k = 0; k < 12; ++k) {
     const float* column = features + static_cast<std::ptrdiff_t>(k) * count;

@@ -4,31 +4,12 @@
 #include "dpp_sweep.hpp"
 
 #include <array>
-#include <cstdint>
 
-// Always inlined, so that each of the functions at the end compiles the helpers for its own instruction set.
-#define LFDCORE_INLINE inline __attribute__((always_inline))
+#include "../vector_lanes.hpp"
 
 namespace lfdcore::detail {
 namespace {
 
-template <int N>
-struct Lanes {
-  using Double __attribute__((vector_size(8 * N))) = double;
-  using Bits __attribute__((vector_size(8 * N))) = std::uint64_t;
-  using Unaligned __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double;
-};
-template <int N>
-using Vec = typename Lanes<N>::Double;
-
-template <int N>
-LFDCORE_INLINE Vec<N> load(const double* from) {
-  return *reinterpret_cast<const typename Lanes<N>::Unaligned*>(from);
-}
-template <int N>
-LFDCORE_INLINE void store(double* to, Vec<N> value) {
-  *reinterpret_cast<typename Lanes<N>::Unaligned*>(to) = value;
-}
 template <class V>
 LFDCORE_INLINE V larger(V a, V b) {
   return a > b ? a : b;
@@ -152,20 +133,11 @@ void sweep_2(const SweepGrid& grid, const double* y, double discount, double cou
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) void sweep_4(const SweepGrid& grid, const double* y, double discount, double count,
-                                                 double* next) {
+LFDCORE_AVX2 void sweep_4(const SweepGrid& grid, const double* y, double discount, double count, double* next) {
   sweep_lanes<4>(grid, y, discount, count, next);
 }
-__attribute__((target("avx2,fma,avx512f,avx512dq,avx512bw,avx512vl"))) void sweep_8(const SweepGrid& grid,
-                                                                                    const double* y, double discount,
-                                                                                    double count, double* next) {
+LFDCORE_AVX512 void sweep_8(const SweepGrid& grid, const double* y, double discount, double count, double* next) {
   sweep_lanes<8>(grid, y, discount, count, next);
-}
-
-bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
-bool has_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
 }
 #endif
 
@@ -175,7 +147,7 @@ std::vector<Sweep*> sweeps_of_this_cpu() {
   std::vector<Sweep*> sweeps{sweep_2};
 #if defined(__x86_64__)
   if (has_avx2()) sweeps.push_back(sweep_4);
-  if (has_avx2() && has_avx512()) sweeps.push_back(sweep_8);
+  if (has_avx512()) sweeps.push_back(sweep_8);
 #endif
   return sweeps;
 }

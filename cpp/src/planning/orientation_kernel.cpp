@@ -1,14 +1,8 @@
 #include "orientation_kernel.hpp"
 
-// glibc's libmvec through an own declaration of expf, as in estimation/gaussian_kernel.cpp.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-extern "C" __attribute__((simd("notinbranch"), const)) float expf(float) noexcept;
-#define LFDCORE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#include <cmath>
-using std::expf;
-#define LFDCORE_CLONES
-#endif
+#include "../vectorised.hpp"
+
+LFDCORE_VECTOR_MATH(float expf(float));
 
 namespace lfdcore::detail {
 

@@ -1,12 +1,6 @@
 #include "q_sweep.hpp"
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define LFDCORE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define LFDCORE_CLONES
-#endif
-// Always inlined, so that each clone compiles it for its own instruction set.
-#define LFDCORE_INLINE inline __attribute__((always_inline))
+#include "../vectorised.hpp"
 
 namespace lfdcore::detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#define LFDCORE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#include "../vectorised.hpp"
 
 namespace lfdcore::detail {
 namespace {
@@ -16,9 +16,6 @@ struct Diagonal {
   int count;
   std::ptrdiff_t rows, columns;
 };
-
-// Always inlined, so that `take` compiles them for each instruction set.
-#define LFDCORE_INLINE inline __attribute__((always_inline))
 
 // last[r] is the cell left of r, last[r - 1] the one above, before[r - 1] the one above left.
 LFDCORE_INLINE double least_before(const double* last, const double* before, int r) {

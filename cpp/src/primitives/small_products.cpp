@@ -2,11 +2,7 @@
 
 #include <algorithm>
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define LFDCORE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define LFDCORE_CLONES
-#endif
+#include "../vectorised.hpp"
 
 namespace lfdcore::detail {
 

@@ -153,8 +153,8 @@ class RollingMap:
     """
     A map of recent scans around the robot, aligned with the odometry frame, for what the LIDAR no longer sees.
 
-    Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration` [s];
-    a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.
+    Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration`
+    [s]; a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.
     radius [m], 0.5 to 20: how far from the robot obstacles() looks.
     """
 

@@ -88,8 +88,8 @@ class RobotModel:
 
     def chain(self, base: str, tip: str, T_tip_tool: numpy.typing.ArrayLike = ...) -> KinematicChain:
         """
-        The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of links.
-        ValueError for unknown links, a chain without movable joints or no rigid transform.
+        The chain from `base` to the tool that T_tip_tool (4, 4) places in the frame of `tip`, both names of
+        links. ValueError for unknown links, a chain without movable joints or no rigid transform.
         """
 
     def forward(self, q: numpy.typing.ArrayLike, link: str) -> numpy.typing.NDArray[numpy.float64]:
@@ -221,10 +221,10 @@ class InverseKinematicsResult:
 
 class InverseKinematics:
     """
-    Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error
-    (Sugihara 2011), joints that would leave their limits held at them and the rest solved again. Restarts begin at
-    those of a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose
-    tools are nearest to the pose. Deterministic; may be shared between threads.
+    Solver for one chain. Descents are Levenberg-Marquardt's, damped in proportion to the squared error (Sugihara
+    2011), joints that would leave their limits held at them and the rest solved again. Restarts begin at those of
+    a fixed set of postures (mid-range and Halton's points of the joint space, whatever the pose) whose tools are
+    nearest to the pose. Deterministic; may be shared between threads.
     """
 
     def __init__(self, chain: KinematicChain, *, config: InverseKinematicsConfig = ...) -> None: ...
@@ -232,9 +232,9 @@ class InverseKinematics:
         self, T_base_tool: numpy.typing.ArrayLike, seed: numpy.typing.ArrayLike | None = None
     ) -> InverseKinematicsResult:
         """
-        For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits), then
-        by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid transform
-        or a seed of another length.
+        For the pose T_base_tool (4, 4): from `seed` (n,) first, where one is given (brought inside the limits),
+        then by restarts; beyond the length of the stretched arm one descent must do. ValueError for no rigid
+        transform or a seed of another length.
         """
 
 class SelfCollision:
@@ -426,19 +426,19 @@ def follow_poses(
     """
     Joint positions and velocities that follow poses T_base_tool (T, 4, 4) at `time` (T,) [s], sample by sample
     from the last posture, inside the position limits; joints that the pose leaves free tend to mid-range and away
-    from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing is
-    clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from
-    there), or from the best of several first postures. With self_collision, `posture` says where the robot's other
-    joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer than 2
-    poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.
+    from self-collision. Where a joint would be faster than its limit, time is stretched there, smoothly: nothing
+    is clipped, the path stays, it takes longer. From `start` (n,) (the first pose's posture is the one found from
+    there), or from the best of several first postures. With self_collision, `posture` says where the robot's
+    other joints are: (N,) or (T, N), the chain's own are replaced. Failure is in the result. ValueError for fewer
+    than 2 poses, times that do not increase, other lengths, velocity limits of 0 or values that are not finite.
     """
 
 def joint_velocities(
     time: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    (T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the ends;
-    never above the fastest chord. ValueError like follow_poses.
+    (T, n): slopes of the parabolas through each of positions (T, n) and its neighbours, of the chords at the
+    ends; never above the fastest chord. ValueError like follow_poses.
     """
 
 def slow_down(
@@ -448,9 +448,9 @@ def slow_down(
     smoothing: float = 0.2,
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval takes
-    as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms: stack
-    their positions. ValueError like follow_poses.
+    Times (T,) [s], from time[0] on, at which positions (T, n) keep inside velocity limits (n,): each interval
+    takes as long as before or longer, stretches spread smoothly over `smoothing` [s] to both sides. For two arms:
+    stack their positions. ValueError like follow_poses.
     """
 
 def solve_inverse_kinematics(

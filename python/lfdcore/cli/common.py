@@ -7,12 +7,13 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,13 +24,6 @@ if TYPE_CHECKING:
 
 _LONGEST = 10
 """items of a list that are shown to people one by one"""
-
-
-class Preset(StrEnum):
-    """Where defaults come from."""
-
-    default = "default"
-    thesis = "thesis"
 
 
 PresetOption = Annotated[Preset, typer.Option(help="'thesis' restores every printed value.")]

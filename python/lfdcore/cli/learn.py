@@ -12,7 +12,6 @@ import typer
 from lfdcore.cli.common import (
     JsonOption,
     LogArguments,
-    Preset,
     PresetOption,
     Stages,
     print_facts,
@@ -23,6 +22,7 @@ from lfdcore.cli.common import (
 )
 from lfdcore.cli.learn_collaboration import learn_collaboration_command
 from lfdcore.cli.learn_goals import learn_goals_command
+from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
     from rich.progress import Progress

@@ -9,7 +9,6 @@ import typer
 
 from lfdcore.cli.common import (
     JsonOption,
-    Preset,
     PresetOption,
     Stages,
     print_facts,
@@ -18,6 +17,7 @@ from lfdcore.cli.common import (
     require_each_once,
     require_writable,
 )
+from lfdcore.study.preset import Preset
 
 
 def learn_collaboration_command(

@@ -10,7 +10,6 @@ import typer
 from lfdcore.cli.common import (
     JsonOption,
     LogArguments,
-    Preset,
     PresetOption,
     SeedOption,
     Stages,
@@ -20,6 +19,7 @@ from lfdcore.cli.common import (
     require_each_once,
     require_writable,
 )
+from lfdcore.study.preset import Preset
 
 
 def learn_goals_command(

@@ -11,7 +11,6 @@ import typer
 
 from lfdcore.cli.common import (
     JsonOption,
-    Preset,
     PresetOption,
     SeedOption,
     Stages,
@@ -21,6 +20,7 @@ from lfdcore.cli.common import (
     require_each_once,
     save_picture,
 )
+from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
     from collections.abc import Callable

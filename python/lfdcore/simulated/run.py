@@ -23,7 +23,7 @@ from lfdcore.simulated.trace import DriveTrace, TraceRecorder
 from lfdcore.simulation import ChairConfig, LidarConfig
 from lfdcore.wheelchair.assistants import Assistant
 from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, drive
-from lfdcore.wheelchair.observation import PERIOD
+from lfdcore.wheelchair.observation import PERIOD, ChairGeometry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +40,13 @@ class RunConfig:
     """Time without .5 m of progress [s] after which a run counts as stuck."""
     stuck_progress: float = 0.5
     """[m]"""
+
+    @property
+    def geometry(self) -> ChairGeometry:
+        """What an assistant knows of this chair."""
+        return ChairGeometry(
+            footprint=self.chair.footprint, limits=self.chair.limits, T_base_laser=self.lidar.T_base_laser
+        )
 
 
 class _Progress:

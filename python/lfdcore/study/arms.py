@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.errors import ModelError
-from lfdcore.simulated.courses import Course
+from lfdcore.simulated.courses import Course, course_by_name
 from lfdcore.simulated.drivers import Driver, ImpairedConfig, ImpairedDriver
 from lfdcore.simulated.run import RunConfig
 from lfdcore.wheelchair.assistants import (
@@ -22,7 +22,6 @@ from lfdcore.wheelchair.assistants import (
 )
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import Model, load_model
-from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 ARMS = ("none", "dwa", "primitives", "heatmaps")
@@ -78,7 +77,7 @@ def _model(path: Path) -> Model:
 
 def make_assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:
     """The assistant of a study's arm for the chair that `run` simulates."""
-    chair = ChairGeometry(footprint=run.chair.footprint, limits=run.chair.limits, T_base_laser=run.lidar.T_base_laser)
+    chair = run.geometry
     if arm == "none":
         return Unassisted(chair)
     if arm == "dwa":
@@ -96,10 +95,15 @@ def make_assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:
 
 def require_arms(arms: Sequence[str]) -> None:
     """ValueError without an arm, for one that is unknown, empty or there twice."""
-    for arm in arms:
-        if arm not in ARMS + FOOTNOTE_ARMS:
-            raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
-    require_once("assistant", arms)
+    require_known("assistant", arms, ARMS + FOOTNOTE_ARMS)
+
+
+def require_known(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
+    """ValueError without a name, for one that is not among `known` or there twice."""
+    for name in names:
+        if name not in known:
+            raise ValueError(f"{kind} is '{name}', must be one of {', '.join(known)}")
+    require_once(kind, names)
 
 
 def require_once(kind: str, names: Sequence[str]) -> None:
@@ -109,6 +113,14 @@ def require_once(kind: str, names: Sequence[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise ValueError(f"{kind} '{twice[0]}' is given {names.count(twice[0])} times, must be given once")
+
+
+def courses_by_name(names: Sequence[str], seed: int) -> tuple[Course, ...]:
+    """The courses that a study drives, those in maps with a route drawn from `seed`. ValueError without one, for one
+    that is unknown or there twice."""
+    courses = tuple(course_by_name(name, seed) for name in names)
+    require_once("course", [course.name for course in courses])
+    return courses
 
 
 def impaired_driver(config: ImpairedConfig, course: Course) -> Driver:

@@ -7,15 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from lfdcore.datasets import open_log
 from lfdcore.simulated.courses import Course, home_20x19, mazes, training_courses
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, ExpertDriver, able_population
 from lfdcore.simulated.run import Job, RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels, make_assistant
+from lfdcore.study.arms import StudyModels, make_assistant, models_by_method
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, silent, under
 from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
 from lfdcore.wheelchair.assistants import Unassisted
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 StageProgress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""
+HeatmapsFile = Annotated[Path | None, Option("Learned heatmaps; else learned from demonstrations, which needs torch.")]
+"""The option `model` of studies that drive with heatmaps alone"""
 
 HEATMAPS_NAME = "heatmaps.safetensors"
 MAZE_RUNS, MAZE_DRIVERS = 72, 8
@@ -145,6 +148,19 @@ def learn_heatmaps_from_demonstrations(
     path = folder / HEATMAPS_NAME
     learned.model.save(path)
     return path
+
+
+def heatmaps_or_learned(
+    model: Path | None, folder: Path, seed: int, tell: StageProgress = silent, processes: int | None = None
+) -> Path:
+    """The file given, or that of heatmaps learned in `folder` from demonstrations. ValueError for a model of another
+    method."""
+    if model is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        return learn_heatmaps_from_demonstrations(folder, seed, under(tell, "heatmaps"), processes=processes)
+    if models_by_method([model]).heatmaps is None:
+        raise ValueError(f"{model} holds primitives, must be heatmaps (lfdcore learn drive --method heatmaps)")
+    return model
 
 
 def _route_of(run: int, count: int) -> int:

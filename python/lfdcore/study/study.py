@@ -28,7 +28,7 @@ def silent(stage: str, done: int, total: int) -> None:
     """Reports to nobody."""
 
 
-def under(title: str, tell: Progress) -> Progress:
+def under(tell: Progress, title: str) -> Progress:
     """As `tell`, each stage named after `title`."""
     return lambda stage, done, total: tell(f"{title}: {stage}", done, total)
 
@@ -127,7 +127,7 @@ def _written(value: Any) -> str:
 
 def _file_names(paths: Any) -> list[str]:
     several = [paths] if isinstance(paths, Path) else paths
-    return [Path(one).name for one in several]
+    return [Path(one).name or str(one) for one in several]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,23 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <random>
-#include <vector>
 
-#include "../../../cpp/src/planning/dpp_sweep.hpp"
 #include "../allocation_count.hpp"
+#include "random_mdp.hpp"
 
 namespace lfdcore {
 namespace {
 
-GridMdp random_mdp(int height, int width, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> reward(-100, 100);
-  std::bernoulli_distribution blocked(0.3);
-  return {FloatGrid::NullaryExpr(height, width, [&] { return reward(random); }),
-          Mask::NullaryExpr(height, width, [&] { return blocked(random); })};
-}
+using test::random_mdp;
 
 double boltzmann_mean(const GridMdp& mdp, const Preferences& psi, Cell cell, double eta) {
   const int row = cell.iy * mdp.width() + cell.ix;
@@ -71,28 +64,6 @@ TEST(DppSolver, equals_the_printed_recursion) {
   }
 }
 
-TEST(DppSweep, gives_the_same_on_every_instruction_set_of_this_cpu) {
-  constexpr int height = 11, stride = 24;
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> spread(-3000, 3000);
-  std::bernoulli_distribution blocked(0.3);
-  std::vector<double> y(height * stride), reward(y.size()), self(stride, 1), rows(detail::row_workspace(stride));
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    y[i] = reward[i] = blocked(random) ? detail::blocked_value : spread(random);
-  }
-  const detail::SweepGrid grid{height, stride, reward.data(), self.data(), self.data(), rows.data()};
-  std::vector<double> wanted(y.size()), found(y.size());
-  const auto sweeps = detail::sweeps_of_this_cpu();
-  sweeps[0](grid, y.data(), 0.99, 7, wanted.data());
-  for (detail::Sweep* sweep : sweeps) {
-    sweep(grid, y.data(), 0.99, 7, found.data());
-    for (std::size_t i = 0; i < y.size(); ++i) {
-      if (reward[i] < detail::blocked_below) continue;
-      EXPECT_NEAR(found[i], wanted[i], 1e-9) << i;
-    }
-  }
-}
-
 TEST(DppSolver, does_not_allocate_on_the_second_grid_of_a_size) {
   const GridMdp first = random_mdp(60, 50, 2), second = random_mdp(60, 50, 2);
   DppSolver solver({.sweeps = 5});
@@ -103,24 +74,6 @@ TEST(DppSolver, does_not_allocate_on_the_second_grid_of_a_size) {
   solver.solve(second, result);
   EXPECT_EQ(test::allocation_count(), before);
   if (test::counts_allocations) EXPECT_GT(before, at_start);
-}
-
-TEST(GridMdp, moves_out_of_the_grid_stay) {
-  const GridMdp mdp(FloatGrid::Zero(2, 3));
-  EXPECT_EQ(mdp.successor({2, 0}, 8), (Cell{2, 0}));
-  EXPECT_EQ(mdp.successor({1, 0}, 6), (Cell{0, 1}));
-  EXPECT_EQ(mdp.successor({1, 1}, stay_action), (Cell{1, 1}));
-}
-
-TEST(GridMdp, cuts_a_corner_but_does_not_pass_between_two_blocked_cells) {
-  GridMdp mdp(FloatGrid::Zero(2, 2));
-  mdp.blocked(0, 1) = true;
-  EXPECT_TRUE(mdp.available({0, 0}, 8));
-  mdp.blocked(1, 0) = true;
-  EXPECT_FALSE(mdp.available({0, 0}, 8));
-  EXPECT_FALSE(mdp.available({0, 0}, 5));
-  EXPECT_TRUE(mdp.available({0, 0}, stay_action));
-  EXPECT_FALSE(mdp.available({1, 0}, stay_action));
 }
 
 }  // namespace

@@ -3,21 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
+#include <limits>
 
 #include "../allocation_count.hpp"
-#include "lfdcore/planning/heatmap_reward.hpp"
+#include "random_mdp.hpp"
 
 namespace lfdcore {
 namespace {
 
-GridMdp random_mdp(int height, int width, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> reward(-100, 100);
-  std::bernoulli_distribution blocked(0.3);
-  return {FloatGrid::NullaryExpr(height, width, [&] { return reward(random); }),
-          Mask::NullaryExpr(height, width, [&] { return blocked(random); })};
-}
+using test::random_mdp;
 
 double best_value(const GridMdp& mdp, const ActionValues& q, Cell cell) {
   double highest = -1e300;
@@ -98,16 +92,6 @@ TEST(GreedyPath, without_a_goal_ends_where_it_is_best_to_stay) {
   EXPECT_EQ(path.outcome, PathOutcome::stay);
   EXPECT_EQ(path.cells.row(path.cells.rows() - 1), Eigen::RowVector2i(7, 2));
   EXPECT_EQ(greedy_path(result, {1, 2}, Cell{7, 2}).outcome, PathOutcome::goal);
-}
-
-TEST(HeatmapReward, lays_the_border_over_the_heat_and_obstacles_over_both) {
-  Mask blocked = Mask::Constant(3, 4, false);
-  blocked(0, 1) = blocked(1, 2) = true;
-  const FloatGrid reward = heatmap_reward(FloatGrid::Constant(3, 4, 0.5f), blocked, {.obstacle = -7, .border = -3});
-  FloatGrid wanted = FloatGrid::Constant(3, 4, -3.0f);
-  wanted(1, 1) = 0.5f;
-  wanted(0, 1) = wanted(1, 2) = -7;
-  EXPECT_TRUE((reward == wanted).all());
 }
 
 }  // namespace

@@ -2,26 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <random>
 
-#include "../../../cpp/src/planning/orientation_kernel.hpp"
 #include "../allocation_count.hpp"
 
 namespace lfdcore {
 namespace {
-
-TEST(ArcOrientation, is_the_stick_that_drives_through_the_point) {
-  const MotionLimits limits{.max_linear = 0.9, .max_reverse = 0.3, .max_angular = 1.4};
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> orientation(-3.1, 3.1), share(0.05, 0.95);
-  for (int i = 0; i < 200; ++i) {
-    const double h = orientation(random), forward = std::cos(h), left = std::sin(h);
-    const Twist2 twist{forward * (forward < 0 ? limits.max_reverse : limits.max_linear), left * limits.max_angular};
-    const Pose2 pose = integrate({}, twist, share(random) * pi / std::max(std::abs(twist.angular), 0.1));
-    EXPECT_NEAR(arc_orientation({pose.x, pose.y}, limits), h, 1e-9);
-  }
-}
 
 TEST(UserHeatmap, equals_the_printed_density_with_wrapped_differences) {
   const MovementTemplate movement;
@@ -61,16 +48,6 @@ TEST(UserHeatmap, has_a_maximum_also_where_every_density_underflows) {
   user_heatmap(straight, {pi / 2, 1e-6}, result);
   EXPECT_EQ(result.density.maxCoeff(), 0.0f);
   EXPECT_EQ(result.heatmap.maxCoeff(), 1.0f);
-}
-
-TEST(OrientationKernel, leaves_exact_zeros_far_from_the_peak) {
-  float weights[] = {0, 1, 79, 81, 1e30f}, filter[] = {1, 2, 1, 1, 1}, filtered[5];
-  detail::weigh_squares(weights, 0, 1, filter, filtered, 5);
-  EXPECT_NEAR(weights[1], std::exp(-1.0), 1e-6);
-  EXPECT_NEAR(filtered[1], 2 * std::exp(-1.0), 1e-6);
-  EXPECT_GT(weights[2], 0);
-  EXPECT_EQ(weights[3], 0);
-  EXPECT_EQ(weights[4], 0);
 }
 
 }  // namespace

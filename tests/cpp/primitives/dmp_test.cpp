@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "../allocation_count.hpp"
-#include "lfdcore/primitives/interaction_primitive.hpp"
 
 namespace lfdcore {
 namespace {
@@ -69,22 +68,6 @@ TEST(Dmp, steps_without_allocating) {
 
 TEST(Dmp, refuses_a_demonstration_of_two_samples) {
   EXPECT_THROW(Dmp::fit(RowMatrix::Zero(2, 1)), std::invalid_argument);
-}
-
-TEST(InteractionPrimitive, without_observation_gives_the_mean_of_the_demonstrations) {
-  std::mt19937 generator(4);
-  std::normal_distribution<double> normal;
-  const RowMatrix theta = RowMatrix::NullaryExpr(9, 42, [&] { return normal(generator); });
-  InteractionPrimitiveConfig config;
-  config.noise = 1.0;
-  const InteractionPrimitive primitive(theta, RowMatrix::Zero(9, 2), std::nullopt, 1, config);
-  const auto prior = primitive.condition(RowMatrix(0, 1), Eigen::VectorXd(), std::nullopt);
-  EXPECT_LT((prior.mean() - theta.colwise().mean().transpose()).cwiseAbs().maxCoeff(), 1e-12);
-  EXPECT_LT((prior.factor() * prior.factor().transpose() -
-             (theta.rowwise() - theta.colwise().mean()).transpose() * (theta.rowwise() - theta.colwise().mean()) / 9)
-                .cwiseAbs()
-                .maxCoeff(),
-            1e-12);
 }
 
 }  // namespace

@@ -2,23 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
-#include <random>
+#include <stdexcept>
 
-#include "../allocation_count.hpp"
-#include "lfdcore/primitives/open_end_dtw.hpp"
-#include "lfdcore/primitives/phase_estimator.hpp"
+#include "random_walk.hpp"
 
 namespace lfdcore {
 namespace {
 
-RowMatrix walk(int count, int dimensions, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  RowMatrix result = RowMatrix::NullaryExpr(count, dimensions, [&] { return normal(random); });
-  for (int t = 1; t < count; ++t) result.row(t) += result.row(t - 1);
-  return result;
-}
+using test::walk;
 
 // Alg. 9 with the border of ERRATA 49.
 RowMatrix table(const RowMatrix& a, const RowMatrix& b, int window) {
@@ -54,31 +48,6 @@ TEST(Dtw, is_the_plain_table_at_every_shape_around_the_strips) {
 TEST(Dtw, refuses_a_window_that_no_path_can_keep_to) {
   EXPECT_THROW(dtw(walk(5, 1, 0), walk(8, 1, 0), 2), std::invalid_argument);
   EXPECT_NO_THROW(dtw(walk(5, 1, 0), walk(8, 1, 0), 3));
-}
-
-TEST(OpenEndDtw, is_the_argmin_of_the_last_row) {
-  const RowMatrix query = walk(70, 3, 1), reference = walk(90, 3, 2), costs = dtw(query, reference).costs;
-  Eigen::Index best = 0;
-  const double distance = costs.bottomRows<1>().minCoeff(&best);
-  const OpenEndPhase phase = open_end_dtw(query, reference);
-  EXPECT_EQ(phase.index, best);
-  EXPECT_EQ(phase.distance, distance);
-}
-
-TEST(OpenEndDtw, and_the_phase_estimator_do_not_allocate) {
-  if (!test::counts_allocations) GTEST_SKIP() << "nothing counts allocations in this build";
-  const RowMatrix reference = walk(300, 6, 3);
-  OpenEndDtw dtw(reference);
-  PhaseEstimator estimator(reference, 3);
-  const long before = test::allocation_count();
-  for (int t = 0; t < 300; ++t) {
-    const std::span<const double> sample(reference.row(t).data(), 6);
-    dtw.observe(sample);
-    estimator.observe(0.001 * t, sample);
-  }
-  EXPECT_EQ(test::allocation_count(), before);
-  EXPECT_EQ(dtw.phase().index, 299);
-  EXPECT_TRUE(estimator.phase().determined);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <random>
 #include <vector>
 
 namespace lfdcore {
@@ -76,6 +77,22 @@ TEST(InteractionPrimitive, trajectories_covariances_and_samples_have_the_stated_
   EXPECT_EQ(prior.sample(6, 1).rows(), 6);
   EXPECT_EQ(prior.sample_trajectories(6, 13, 1).front().cols(), 5);
   EXPECT_EQ(prior.robot().dimensions() + prior.partner().dimensions(), 5);
+}
+
+TEST(InteractionPrimitive, without_observation_gives_the_mean_of_the_demonstrations) {
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  const RowMatrix theta = RowMatrix::NullaryExpr(9, 42, [&] { return normal(generator); });
+  InteractionPrimitiveConfig config;
+  config.noise = 1.0;
+  const InteractionPrimitive primitive(theta, RowMatrix::Zero(9, 2), std::nullopt, 1, config);
+  const auto prior = primitive.condition(RowMatrix(0, 1), Eigen::VectorXd(), std::nullopt);
+  EXPECT_LT((prior.mean() - theta.colwise().mean().transpose()).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((prior.factor() * prior.factor().transpose() -
+             (theta.rowwise() - theta.colwise().mean()).transpose() * (theta.rowwise() - theta.colwise().mean()) / 9)
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-12);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-"""lfdcore study adaptation and backwards, as a user calls them."""
+"""lfdcore study adaptation, backwards and learning-curve, as a user calls them."""
 
 import json
 from pathlib import Path
@@ -7,7 +7,7 @@ import pytest
 from calling import run
 
 from lfdcore.cli.common import Stages, progress_bar
-from lfdcore.cli.study_heatmaps import heatmaps_or_learned
+from lfdcore.study.demonstrations import heatmaps_or_learned
 
 
 def test_adaptation_gives_a_row_a_bias_a_picture_and_what_repeats_it(heatmap_model, tmp_path, monkeypatch, capsys):
@@ -15,16 +15,19 @@ def test_adaptation_gives_a_row_a_bias_a_picture_and_what_repeats_it(heatmap_mod
     code, out, err = run(monkeypatch, capsys, "study", "adaptation", "-o", tmp_path / "new", *words)
     assert code == 0, err
     found = json.loads(out)
-    assert [row["bias"] for row in found["biases"]] == [-0.3, 0.0, 0.3]
-    assert [row["wanted"] for row in found["biases"]] == [0.7, 1.05, 0.7]
-    (row,) = [row for row in found["rows"] if row["bias"] == 0.3]
-    assert found["biases"][2]["ratio_then"] == pytest.approx(row["then"] / row["before"])
+    biases = [row for row in found["rows"] if "wanted" in row]
+    assert [row["bias"] for row in biases] == [-0.3, 0.0, 0.3]
+    assert [row["wanted"] for row in biases] == [0.7, 1.05, 0.7]
+    (row,) = [row for row in found["rows"] if row["bias"] == 0.3 and row not in biases]
+    assert biases[2]["ratio_then"] == pytest.approx(row["then"] / row["before"])
+    assert found["aims"][4]["found"] == biases[2]["ratio_then"]
     assert row["seed"] == 2 and row["course"] == "flat" and row["before"] > 0.2
     report = Path(found["report"]).read_text()
-    assert "lfdcore study adaptation -o out --courses flat --drivers 1 --seed 2 --model" in report
-    assert report.count("data:image/png") == 1 and "&le; 0.70" in report
+    assert f"lfdcore study adaptation -o out --model {heatmap_model} --courses flat --drivers 1 --seed 2" in report
+    assert report.count("data:image/png") == 1 and "&le; 0.7<" in report
     assert (tmp_path / "new" / "adaptation.png").read_bytes()[:4] == b"\x89PNG"
-    assert json.loads((tmp_path / "new" / "figures.json").read_text()) == found["rows"]
+    written = json.loads((tmp_path / "new" / "figures.json").read_text())
+    assert {"report": found["report"], **written} == found
     assert "drive" in err and not err.startswith("{")
 
 
@@ -34,7 +37,7 @@ def test_backwards_without_the_heatmaps_arm_needs_no_model(tmp_path, monkeypatch
     assert code == 0, err
     assert "impaired, reversing" in out and "unassisted" in out
     assert "seeds 3..3" in out
-    rows = json.loads((tmp_path / "figures.json").read_text())
+    rows = json.loads((tmp_path / "figures.json").read_text())["rows"]
     assert [row["driver"] for row in rows] == ["reversing", "impaired, reversing"]
     assert all(row["rolling_back"] > 0.5 for row in rows)
     assert (tmp_path / "report.html").read_text().count("data:image/png") == 2
@@ -67,6 +70,12 @@ def test_wrong_use_is_refused_before_anything_is_driven(words, said, tmp_path, m
     code, out, err = run(monkeypatch, capsys, "study", *words, "-o", tmp_path / "out")
     assert code in (1, 2) and said in err and out == ""
     assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_learning_curve_refuses_words_for_numbers_and_leaves_no_folder(tmp_path, monkeypatch, capsys):
+    code, out, err = run(monkeypatch, capsys, "study", "learning-curve", "-o", tmp_path / "out", "--runs", "five")
+    assert code == 1 and "'five'" in err and out == ""
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("study", ["adaptation", "backwards"])

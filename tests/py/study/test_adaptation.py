@@ -8,14 +8,15 @@ import pytest
 
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2, Twist2
-from lfdcore.simulated.courses import hall, office
-from lfdcore.simulated.drivers import AbleDriver
+from lfdcore.simulated.biased_driver import BiasedDriver
+from lfdcore.simulated.courses import office
 from lfdcore.simulation import DrivingWorld
-from lfdcore.study.adaptation.report import adaptation_figure, adaptation_table, ratio_rows
+from lfdcore.study.adaptation.pictures import adaptation_figure
+from lfdcore.study.adaptation.report import adaptation_table, findings, ratio_rows
 from lfdcore.study.adaptation.study import (
+    STAGES,
     AdaptationRun,
     AdaptationStudy,
-    BiasedDriver,
     angle_errors,
     pooled_ratio,
     run_adaptation_study,
@@ -34,9 +35,8 @@ def model(heatmap_model: Path) -> HeatmapModel:
 @pytest.fixture(scope="module")
 def runs(heatmap_model: Path) -> tuple[AdaptationRun, ...]:
     """Of the whole study one driver of each kind, with a network that has seen little and corrects little."""
-    return run_adaptation_study(
-        AdaptationStudy(courses=(office(),), model=heatmap_model, biases=(0.0, -0.3), drivers=1), processes=1
-    )
+    study = AdaptationStudy(courses=("office",), model=heatmap_model, biases=(0.0, -0.3), drivers=1, processes=1)
+    return run_adaptation_study(study, heatmap_model.parent)
 
 
 def test_while_adapting_the_error_of_a_biased_driver_falls_and_that_of_an_unbiased_one_stays_small(
@@ -53,7 +53,7 @@ def test_while_adapting_the_error_of_a_biased_driver_falls_and_that_of_an_unbias
 def test_the_table_has_a_row_a_bias_with_ratios_of_means(runs: tuple[AdaptationRun, ...]) -> None:
     table = adaptation_table(runs)
     assert [row[0] for row in table.rows] == ["-0.30", "+0.00"]
-    assert [row[-1] for row in table.rows] == ["<= 0.70", "<= 1.05"]
+    assert [row[-1] for row in table.rows] == ["<= 0.7", "<= 1.05"]
     ratio = pooled_ratio(runs[1:], "adapting")
     assert ratio == pytest.approx(runs[1].mean("adapting") / runs[1].mean("before"))
     assert table.rows[0][-2].startswith(f"{ratio:.2f}")
@@ -71,24 +71,20 @@ def test_the_picture_has_a_panel_a_bias_and_judges_what_is_kept_only_later(runs:
     assert panels[0].get_ylim()[0] == 0 and panels[0].get_ylim()[1] > drawn
 
 
-def test_a_drive_that_ends_before_it_is_judged_is_refused(heatmap_model: Path) -> None:
-    study = AdaptationStudy(courses=(hall(),), model=heatmap_model, biases=(0.0,), drivers=1, after=300.0)
+def test_the_findings_say_ratios_and_aims_of_each_bias_and_hold_every_run(runs: tuple[AdaptationRun, ...]) -> None:
+    found = findings(runs)
+    assert [aim.found for aim in found.aims] == [pooled_ratio([run], s) for run in runs[::-1] for s in STAGES[1:]]
+    assert [aim.wanted for aim in found.aims] == ["<= 0.7", "<= 0.7", "<= 1.05", "<= 1.05"]
+    assert list(found.rows[:2]) == [run.row() for run in runs]
+    assert [(row["bias"], row["runs"]) for row in found.rows[2:]] == [(-0.3, 1), (0.0, 1)]
+    assert f"{pooled_ratio(runs[1:], 'adapting'):.2f} (bias -0.30 rad)" in found.headline
+    assert f"{pooled_ratio(runs[:1], 'adapting'):.2f} (no bias)" in found.headline and "seeds 1..1" in found.headline
+
+
+def test_a_drive_that_ends_before_it_is_judged_is_refused(heatmap_model: Path, tmp_path: Path) -> None:
+    study = AdaptationStudy(courses=("hall",), model=heatmap_model, biases=(0.0,), drivers=1, after=300.0, processes=1)
     with pytest.raises(ValueError, match=r"drive of hall took \d+ s, must be over 300"):
-        run_adaptation_study(study, processes=1)
-
-
-def test_a_biased_driver_means_what_an_able_one_means_and_points_beside_it() -> None:
-    able, biased = AbleDriver(office()), BiasedDriver(office(), 0.3)
-    start = office().start
-    for tick in range(20):
-        meant = able.act(tick / 10, start, Twist2(), False).desired
-        given = biased.act(tick / 10, start, Twist2(), False)
-        np.testing.assert_array_equal(given.desired, meant)
-        turned = math.atan2(given.joystick[1], given.joystick[0]) - math.atan2(meant[1], meant[0])
-        assert turned == pytest.approx(0.3)
-    for bias in (2.0, math.nan):
-        with pytest.raises(ValueError, match="bias is"):
-            BiasedDriver(office(), bias)
+        run_adaptation_study(study, tmp_path)
 
 
 def test_angle_errors_go_across_the_rear_too() -> None:

@@ -18,6 +18,7 @@ from lfdcore.simulated.drivers import AbleDriver, able_population
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulation import ChairConfig
 from lfdcore.study.goals.drives import RUNS_EACH, SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
+from lfdcore.study.goals.tables import drives_table
 from lfdcore.wheelchair.assistants import Unassisted
 
 sticks = arrays.arrays(float, st.tuples(st.integers(0, 20), st.just(2)), elements=st.floats(-1, 1))
@@ -84,7 +85,16 @@ def test_all_drives_arrive_without_contact_and_are_as_many_samples_as_the_thesis
     train, test = drives.samples(drives.training), drives.samples(drives.held_out)
     assert train == pytest.approx(9513, rel=0.05)  # Sec. 2.3.2
     assert test == pytest.approx(1795, rel=0.1)  # Fig. 2.8
-    assert f"samples: {train} to learn from (30 drives), {test} held out" in drives.table()
+
+
+def test_the_drives_table_has_a_row_a_destination_and_the_numbers_of_samples(drives: GoalDrives) -> None:
+    table = drives_table(drives)
+    assert [row[0] for row in table.rows] == list(drives.world.goals.names)
+    assert {(row[1], row[6], row[7]) for row in table.rows} == {("6", "6", "0")}
+    times = [len(drives.traces[k].stamp) * drives.traces[k].period for k in range(12, 18)]  # to G3
+    assert table.rows[2][2:5] == (f"{np.mean(times):.1f}", f"{min(times):.1f}", f"{max(times):.1f}")
+    train, test = drives.samples(drives.training), drives.samples(drives.held_out)
+    assert f"{train} to learn from (30 drives), {test} held out" in table.note
 
 
 def test_durations_are_those_of_table_2_1(drives: GoalDrives) -> None:

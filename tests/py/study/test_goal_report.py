@@ -2,25 +2,23 @@
 
 import dataclasses
 import json
+from inspect import signature
 
 import numpy as np
 import pytest
 
-from lfdcore.datasets import Goals
-from lfdcore.study.goals.drives import RUNS_EACH, GoalDrives, noisy_joystick, perturbed_poses
-from lfdcore.study.goals.evaluation import BASELINES, agreement, confidence_time, drives_of
-from lfdcore.study.goals.report import (
-    accuracy_table,
-    aims,
-    consistency_table,
-    goal_headline,
-    goal_pictures,
-    goal_tables,
-    noise_table,
-    pose_table,
-    time_table,
-    write_goal_report,
+from lfdcore.datasets import Goals, write_map
+from lfdcore.simulated.courses import goal_building, goals_in_map
+from lfdcore.study.goals.drives import (
+    RUNS_EACH,
+    SEED,
+    GoalDrives,
+    noisy_joystick,
+    perturbed_poses,
+    record_goal_drives,
 )
+from lfdcore.study.goals.evaluation import BASELINES, agreement, confidence_time, drives_of
+from lfdcore.study.goals.report import findings, goal_headline, goal_pictures, run
 from lfdcore.study.goals.study import (
     FILTERED,
     NOISE,
@@ -32,8 +30,20 @@ from lfdcore.study.goals.study import (
     _localised,
     judge_goal_drives,
 )
+from lfdcore.study.goals.tables import (
+    accuracy_table,
+    aims,
+    consistency_table,
+    goal_tables,
+    noise_table,
+    pose_table,
+    time_table,
+)
+from lfdcore.study.preset import Preset
+from lfdcore.study.study import default_of, silent, write_study
 from lfdcore.training.goal_models import GoalLearningConfig
 from lfdcore.training.goal_net import GoalNetConfig
+from lfdcore.wheelchair.goals.model import GoalModel
 from lfdcore.wheelchair.goals.samples import drive_samples
 from lfdcore.wheelchair.goals.track import track_beliefs
 
@@ -55,25 +65,24 @@ def some_of(drives: GoalDrives, first_run: int) -> GoalDrives:
 
 
 @pytest.fixture(scope="module")
-def result(goal_drives: GoalDrives, tmp_path_factory: pytest.TempPathFactory) -> GoalResult:
-    """Two drives to each of three destinations teach, the third is held out; the same drives with noise."""
-    drives = some_of(goal_drives, RUNS_EACH - 3)
-    study = GoalStudy(folder=tmp_path_factory.mktemp("goals"), world=drives.world, learning=SMALL, full=True, seed=1)
-    return judge_goal_drives(study, drives, some_of(goal_drives, 0))
+def result(goal_drives: GoalDrives) -> GoalResult:
+    """Two drives to each of three destinations to learn from, the third is held out; the same drives with noise."""
+    drives, trials = (some_of(goal_drives, first) for first in (RUNS_EACH - 3, 0))
+    return judge_goal_drives(GoalStudy(seed=1), drives, trials, SMALL)
 
 
-def test_what_teaches_is_not_what_is_judged(result: GoalResult) -> None:
-    taught, judged = set(result.drives.training), set(result.drives.held_out)
-    assert len(taught) == 6
+def test_what_is_learned_from_is_not_what_is_judged(result: GoalResult) -> None:
+    learned, judged = set(result.drives.training), set(result.drives.held_out)
+    assert len(learned) == 6
     assert len(judged) == 3
-    assert not taught & judged
+    assert not learned & judged
     assert len(drives_of(result.held_out)) == 3
     assert set(result.held_out.goal) == {0, 1, 2}
 
 
-def test_the_model_knows_only_the_drives_that_teach(result: GoalResult) -> None:
-    taught = result.drives.logs(result.drives.training)
-    assert result.model.metadata["logs"] == [log.name for log in taught]
+def test_the_model_knows_only_the_drives_to_learn_from(result: GoalResult) -> None:
+    learned = result.drives.logs(result.drives.training)
+    assert result.model.metadata["logs"] == [log.name for log in learned]
     known = {row.tobytes() for row in result.model.samples.pose}
     assert not known & {row.tobytes() for row in result.held_out.pose}
 
@@ -117,7 +126,7 @@ def test_a_pose_error_is_of_the_metres_and_degrees_that_its_row_says(result: Goa
 
 
 def test_the_scan_matcher_s_row_is_of_its_own_poses(result: GoalResult) -> None:
-    _, matched = _localised(result.study, result.drives, lambda *told: None)
+    _, matched = _localised(result.drives, silent)
     pose = np.concatenate([one.pose for one in matched])
     off = np.hypot(*(pose - result.held_out.pose)[:, :2].T)
     assert 0 < np.median(off) < 0.05
@@ -157,7 +166,7 @@ def test_the_shares_of_table_2_1_are_of_each_drive_s_duration(result: GoalResult
     for name in ("sure_after", "filtered"):
         shares = np.array([getattr(trial, name) / trial.duration for trial in result.trials])
         shares[np.isnan(shares)] = 1.0  # never sure: the whole drive
-        parts.append(f"{100 * shares.mean():.0f} % +- {100 * shares.std(ddof=1):.0f} %")
+        parts.append(f"{100 * shares.mean():.0f}+-{100 * shares.std(ddof=1):.0f} %")
     assert f"Over all: {parts[0]} of the drive" in note
     assert f"filtered over 2 s {parts[1]}" in note
     aim = next(one for one in aims(result) if one.label.startswith("90 % sure"))
@@ -247,7 +256,7 @@ def test_a_study_of_the_subset_alone_says_nothing_of_all_data(result: GoalResult
     assert all("all data" not in picture.caption for picture in goal_pictures(sparse))
 
 
-def test_a_network_that_is_never_sure_is_told_as_such(result: GoalResult) -> None:
+def test_a_network_that_is_never_sure_is_reported_as_such(result: GoalResult) -> None:
     never = tuple(dataclasses.replace(trial, sure_after=float("nan"), filtered=float("nan")) for trial in result.trials)
     unsure = dataclasses.replace(result, trials=never)
     table = noise_table(unsure)
@@ -267,13 +276,43 @@ def test_the_headline_names_shares_n_and_seed(result: GoalResult) -> None:
 
 
 def test_the_report_holds_five_pictures_all_tables_and_its_command(result: GoalResult, tmp_path) -> None:
-    assert len(goal_pictures(result)) == 5
-    path = write_goal_report(result, tmp_path, "lfdcore study goals -o out")
-    text = path.read_text()
+    found = findings(result)
+    assert len(found.pictures) == 5
+    text = write_study(result.study, found, tmp_path).read_text()
     assert text.count("<img") + text.count("<svg") >= 5
-    assert text.count("<table") == len(goal_tables(result)) == 8
-    assert "lfdcore study goals -o out" in text
-    figures = json.loads((tmp_path / "figures.json").read_text())
-    shares = {row["method"]: row["accuracy"] for row in figures if "method" in row}
+    assert text.count("<table") == len(goal_tables(result)) == 9
+    assert "lfdcore study goals -o out --full --subset 800 --preset default --seed 1" in text
+    document = json.loads((tmp_path / "figures.json").read_text())
+    shares = {row["method"]: row["accuracy"] for row in document["rows"] if "method" in row}
     assert shares == {one.method: one.share for one in result.accuracies}
-    assert {row["figure"] for row in figures if "figure" in row} == {aim.label for aim in aims(result)}
+    assert {row["figure"] for row in document["rows"] if "figure" in row} == {aim.label for aim in aims(result)}
+    assert document["aims"] == [row for row in document["rows"] if "figure" in row]
+
+
+def test_the_learned_model_is_written_beside_the_report(result: GoalResult, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("lfdcore.study.goals.report.run_goal_study", lambda study, folder, tell: result)
+    assert run(result.study, tmp_path, silent).headline == goal_headline(result)
+    written = GoalModel.load(tmp_path / "goals.safetensors")
+    assert written.goals.names == result.model.goals.names
+    assert written.metadata == result.model.metadata
+
+
+# -- the config -----------------------------------------------------------------------------------------------------
+
+
+def test_the_drives_and_their_study_have_one_default_seed_and_the_subset_is_that_of_learning() -> None:
+    assert default_of(GoalStudy, "seed") == signature(record_goal_drives).parameters["seed"].default == SEED
+    assert default_of(GoalStudy, "subset") == GoalLearningConfig().subset
+
+
+def test_a_study_learns_by_its_preset_with_its_own_subset_and_seed() -> None:
+    learning = GoalStudy(preset=Preset.thesis, subset=70, seed=5).learning()
+    assert learning == dataclasses.replace(GoalLearningConfig.thesis(), subset=70, seed=5)
+    assert GoalStudy(seed=1).learning() == GoalLearningConfig()
+
+
+def test_a_map_stands_in_the_command_and_gives_the_world(tmp_path) -> None:
+    write_map(goal_building().grid, tmp_path / "building.yaml")
+    study = GoalStudy(map_file=tmp_path / "building.yaml", full=False, seed=4)
+    assert study.world().goals == goals_in_map(tmp_path / "building.yaml", 4).goals
+    assert f"--map {tmp_path / 'building.yaml'} --sparse --subset 800" in study.command()

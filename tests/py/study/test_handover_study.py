@@ -1,5 +1,6 @@
-"""The study of real handovers: honest splits, methods against slow ones, sets told by contents, the same bytes."""
+"""The study of real handovers: honest splits, methods against slow ones, sets known by contents, the same bytes."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -10,33 +11,27 @@ from lfdcore.datasets import read_kth_handovers
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.errors import DataError
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
-from lfdcore.study.handovers.report import (
-    handover_headline,
-    handover_rows,
-    seen_tables,
-    task_tables,
-    write_handover_report,
-)
+from lfdcore.study.handovers.report import findings, handover_headline
 from lfdcore.study.handovers.study import (
     MEASURES,
     METHODS,
     SHARES,
     STEPS,
+    HandoverResult,
     HandoverSplit,
     HandoverStudy,
-    HandoverTask,
     NearestDemonstration,
-    TaskErrors,
     Truth,
-    hand_columns,
-    handover_tasks,
     infer_by_clock,
+    judge_handovers,
     run_handover_study,
     with_place,
 )
+from lfdcore.study.handovers.tables import handover_rows, seen_tables, task_tables
+from lfdcore.study.handovers.tasks import HandoverTask, hand_columns, handover_tasks
+from lfdcore.study.study import write_study
 
 COUNT, SAMPLES = 12, 81
-QUIET = {"tell": lambda stage, done, total: None, "processes": 1}
 
 
 def handover(k: int) -> np.ndarray:
@@ -81,13 +76,9 @@ def task(kth: Path) -> HandoverTask:
 
 
 @pytest.fixture(scope="module")
-def study(task: HandoverTask) -> HandoverStudy:
-    return HandoverStudy(tasks=(task,), splits=2, seed=3)
-
-
-@pytest.fixture(scope="module")
-def results(study: HandoverStudy) -> tuple[TaskErrors, ...]:
-    return run_handover_study(study, **QUIET)
+def result(kth: Path, task: HandoverTask) -> HandoverResult:
+    """Of the first of the file's three tasks."""
+    return judge_handovers(HandoverStudy(data=(kth,), splits=2, seed=3, processes=1), [task])
 
 
 def test_a_files_contents_tell_which_set_it_is(kth: Path, dynamic: Path) -> None:
@@ -113,7 +104,7 @@ def test_other_files_are_refused_by_name(tmp_path: Path) -> None:
         handover_tasks([tmp_path / "none.npz"])
 
 
-def test_nobody_who_teaches_is_tested(task: HandoverTask) -> None:
+def test_nothing_that_is_learned_from_is_tested(task: HandoverTask) -> None:
     splits = [HandoverSplit(task, k, 3).parts() for k in range(5)]
     for learn, test in splits:
         assert sorted([*learn, *test]) == list(range(len(task.recordings)))
@@ -123,11 +114,11 @@ def test_nobody_who_teaches_is_tested(task: HandoverTask) -> None:
     )
 
 
-def test_the_mean_trajectorys_errors_are_those_written_out(task: HandoverTask, results: tuple[TaskErrors, ...]) -> None:
+def test_the_mean_trajectorys_errors_are_those_written_out(task: HandoverTask, result: HandoverResult) -> None:
     learn, test = HandoverSplit(task, 0, 3).parts()
     even = [one.resample(STEPS).robot for one in task.recordings]
     mean, at = np.mean([even[k] for k in learn], axis=0), METHODS.index("mean trajectory")
-    for row, k in zip(results[0].splits[0].errors, test, strict=True):
+    for row, k in zip(result.tasks[0].splits[0].errors, test, strict=True):
         apart = np.linalg.norm(mean - even[k], axis=1)
         meeting = np.argmin(np.linalg.norm(even[k] - task.recordings[k].resample(STEPS).partner, axis=1))
         wanted = [np.sqrt(np.mean(apart**2)), apart[-1], apart[meeting]]
@@ -142,7 +133,7 @@ def test_the_nearest_demonstration_is_the_one_that_moved_most_alike(task: Handov
     assert short.index(task.recordings[1]) == 1
 
 
-def test_told_the_phase_a_known_giver_is_followed_to_the_end(task: HandoverTask) -> None:
+def test_given_the_phase_a_known_giver_is_followed_to_the_end(task: HandoverTask) -> None:
     model = CollaborationModel.fit(task.recordings, CollaborationConfig(environment=False, steps=STEPS))
     one = task.recordings[0]
     said = infer_by_clock(model, one, one.duration)
@@ -160,63 +151,61 @@ def test_the_place_is_where_the_hands_meet(task: HandoverTask) -> None:
     np.testing.assert_allclose(place, one.robot[np.argmin(apart)], atol=0.02)
 
 
-def test_ip_foretells_the_taker_from_the_giver(results: tuple[TaskErrors, ...]) -> None:
-    means = results[0].errors.mean(axis=0)[:, :, MEASURES.index("at the handover")]
+def test_ip_predicts_the_taker_from_the_giver(result: HandoverResult) -> None:
+    means = result.tasks[0].errors.mean(axis=0)[:, :, MEASURES.index("at the handover")]
     at = SHARES.index(0.5)
     assert means[METHODS.index("IP, phase by the clock"), at] < 0.3 * means[METHODS.index("mean trajectory"), at]
     assert means[METHODS.index("oracle: IP told the place"), 0] < 0.3 * means[METHODS.index("IP"), 0]
 
 
-def test_the_result_depends_on_the_seed_alone(
-    study: HandoverStudy, results: tuple[TaskErrors, ...], tmp_path: Path
-) -> None:
-    again = run_handover_study(study, QUIET["tell"], 2)
-    np.testing.assert_array_equal(again[0].errors, results[0].errors)
+def test_the_result_depends_on_the_seed_alone(task: HandoverTask, result: HandoverResult, tmp_path: Path) -> None:
+    again = judge_handovers(dataclasses.replace(result.study, processes=2), [task])
+    np.testing.assert_array_equal(again.tasks[0].errors, result.tasks[0].errors)
     reports = []
-    for name, found in (("a", results), ("b", again)):
+    for name, found in (("a", result), ("b", again)):
         (tmp_path / name).mkdir()
-        reports.append(write_handover_report(found, study, tmp_path / name, "lfdcore study handovers").read_bytes())
+        reports.append(write_study(found.study, findings(found), tmp_path / name).read_bytes())
     assert reports[0] == reports[1]
-    rows = json.loads((tmp_path / "a" / "figures.json").read_text())
+    rows = json.loads((tmp_path / "a" / "figures.json").read_text())["rows"]
     assert len(rows) == len(METHODS) * len(SHARES) * len(MEASURES)
-    assert rows == json.loads(json.dumps(handover_rows(results, study)))
+    assert rows == json.loads(json.dumps(handover_rows(result)))
 
 
-def test_tables_name_n_seed_and_oracles(study: HandoverStudy, results: tuple[TaskErrors, ...]) -> None:
-    for table in task_tables(results[0], study.seed):
+def test_tables_name_n_seed_and_oracles(result: HandoverResult) -> None:
+    for table in task_tables(result.tasks[0], 3):
         assert f"n = {COUNT - 1} handovers, 4 tests in 2 splits" in table.title
         assert len(table.header) == 1 + len(SHARES)
-    assert sum(row[0].startswith("oracle") for row in task_tables(results[0], 3)[0].rows) == 2
-    assert f"(n = {COUNT - 1})" in handover_headline(results, study)
+    assert sum(row[0].startswith("oracle") for row in task_tables(result.tasks[0], 3)[0].rows) == 2
+    assert f"(n = {COUNT - 1})" in handover_headline(result)
 
 
 def test_what_more_that_is_seen_is_worth_is_paired(dynamic: Path) -> None:
-    hands, skeleton = handover_tasks([dynamic])
-    results = run_handover_study(HandoverStudy(tasks=(hands, skeleton), splits=1, seed=3), **QUIET)
-    (table,) = seen_tables(results, 3)
-    apart = 1e3 * (results[1].errors - results[0].errors).mean(axis=0)[METHODS.index("IP, phase by time warping"), :, 0]
+    hands, skeleton = run_handover_study(HandoverStudy(data=(dynamic,), splits=1, seed=3, processes=1)).tasks
+    (table,) = seen_tables([hands, skeleton], 3)
+    apart = 1e3 * (skeleton.errors - hands.errors).mean(axis=0)[METHODS.index("IP, phase by time warping"), :, 0]
     assert [int(cell.split("\n")[0]) for cell in table.rows[0][1:]] == pytest.approx(apart, abs=0.51)
-    assert seen_tables(results[:1], 3) == []
+    assert seen_tables([hands], 3) == []
 
 
-def test_a_study_without_splits_is_refused(task: HandoverTask) -> None:
-    with pytest.raises(ValueError, match="splits is 0"):
-        HandoverStudy(tasks=(task,), splits=0)
+def test_a_study_without_splits_or_files_and_one_of_a_file_twice_are_refused(kth: Path) -> None:
+    for files, splits, said in (((kth,), 0, "splits is 0"), ((), 1, "data is empty"), ((kth, kth), 1, "given twice")):
+        with pytest.raises(ValueError, match=said):
+            HandoverStudy(data=files, splits=splits)
 
 
 @pytest.mark.realdata
 def test_on_kth_ip_beats_the_mean_once_it_knows_the_phase(data_folder: Path) -> None:
-    """One split of the real set: told the phase IP is the best of all; by DTW it is lost at the end, where the giver
+    """One split of the real set: given the phase IP is the best of all; by DTW it is lost at the end, where the giver
     has come back to where it began."""
     tasks = handover_tasks([data_folder / "interaction" / "kth_handover_6d.npz"])
     assert [len(one.recordings) for one in tasks] == [97, 97, 106]
     errors = HandoverSplit(tasks[0], 0, 1).run().errors.mean(axis=0)[:, :, 0]
     at = SHARES.index(0.5)
-    told, by_dtw, mean = (
+    given, by_dtw, mean = (
         METHODS.index(name) for name in ("oracle: IP told the phase", "IP, phase by time warping", "mean trajectory")
     )
-    assert errors[told, at] < 0.8 * errors[mean, at]
-    assert errors[told, -1] < 0.7 * errors[by_dtw, -1]
+    assert errors[given, at] < 0.8 * errors[mean, at]
+    assert errors[given, -1] < 0.7 * errors[by_dtw, -1]
     assert len(read_kth_handovers(data_folder / "interaction" / "kth_handover_6d.npz")) == 97
 
 
@@ -236,6 +225,11 @@ def test_the_command_writes_a_report(kth: Path, tmp_path: Path) -> None:
     arguments = ["study", "handovers", str(kth), "-o", str(tmp_path / "out"), "--splits", "1", "--processes", "1"]
     done = CliRunner().invoke(app, [*arguments, "--json"])
     assert done.exit_code == 0, done.output
+    said = json.loads(done.stdout)
+    assert said["report"] == str(tmp_path / "out" / "report.html")
+    assert said["command"] == "lfdcore study handovers some.npz -o out --splits 1 --seed 1"
+    assert {row["task"] for row in said["rows"]} == {one.name for one in handover_tasks([kth])}
+    assert {"task", "measure", "method", "share", "error", "low", "high", "sd_of_splits"} < said["rows"][0].keys()
     assert (tmp_path / "out" / "report.html").is_file()
     twice = CliRunner().invoke(app, ["study", "handovers", str(kth), str(kth), "-o", str(tmp_path / "out")])
     assert twice.exit_code != 0

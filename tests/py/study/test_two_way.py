@@ -10,7 +10,7 @@ from lfdcore.geometry import MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan, local_grid
 from lfdcore.simulated.courses import hall
 from lfdcore.simulation import DrivingWorld, LidarConfig
-from lfdcore.study.backwards.report import backwards_table
+from lfdcore.study.backwards.report import backwards_headline, backwards_table
 from lfdcore.study.backwards.study import AROUND, BackwardsStudy, run_backwards_study
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
@@ -31,9 +31,11 @@ def observe(joystick: tuple[float, float], lidar: LidarConfig = AROUND, twist: T
     return Observation(0.0, world.scan(), 0.0, pose, twist or Twist2(), joystick)
 
 
-def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(heatmap_model: Path) -> None:
-    study = BackwardsStudy(heatmaps=heatmap_model, arms=("two_way",), kinds=("able",), drivers=1)
-    (trace,) = run_backwards_study(study, processes=1)
+def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(
+    heatmap_model: Path, tmp_path: Path
+) -> None:
+    study = BackwardsStudy(model=heatmap_model, arms=("two_way",), kinds=("able",), drivers=1, processes=1)
+    (trace,) = run_backwards_study(study, tmp_path)
     assert trace.completed and trace.collision.sum() == 0
     assert (trace.mode == "path").mean() > 0.8 and len(trace.plans) > 20
     along = np.diff(trace.pose[:, :2], axis=0)
@@ -43,17 +45,32 @@ def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(h
     (row,) = backwards_table((trace,)).rows
     assert row[:2] == ("reversing\nheatmaps, both ways", "1")
     assert row[2].startswith("1 of 1") and row[3].startswith("0 in 1")
+    said = "reversing: heatmaps, both ways 0 (1 of 1). n = 1 simulated drivers of each kind, seeds 1..1."
+    assert said in backwards_headline((trace,))
 
 
 @pytest.mark.parametrize(("wrong", "words"), [({"arms": ("both",)}, "both"), ({"kinds": ("expert",)}, "expert")])
 def test_an_unknown_arm_or_kind_of_driver_is_refused(wrong: dict[str, tuple[str, ...]], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        run_backwards_study(BackwardsStudy(heatmaps=None, **{"arms": ("none",), **wrong}), processes=1)
+        BackwardsStudy(**{"arms": ("none",), **wrong})
 
 
-def test_an_arm_that_needs_a_model_is_refused_without_one() -> None:
-    with pytest.raises(ValueError, match="needs a model"):
-        run_backwards_study(BackwardsStudy(heatmaps=None, arms=("two_way",)), processes=1)
+@pytest.mark.parametrize(("arm", "learned"), [("two_way", 1), ("none", 0)])
+def test_a_model_is_learned_for_the_arm_that_needs_one_alone(
+    arm: str, learned: int, heatmap_model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def learn(folder: Path, *_: object, **__: object) -> Path:
+        asked.append(folder)
+        return heatmap_model
+
+    monkeypatch.setattr("lfdcore.study.demonstrations.learn_heatmaps_from_demonstrations", learn)
+    monkeypatch.setattr("lfdcore.study.backwards.study.run_jobs", lambda jobs, *_: tuple(jobs))
+    study = BackwardsStudy(arms=(arm,), kinds=("able",), drivers=1)
+    (job,) = run_backwards_study(study, tmp_path)
+    assert asked == [tmp_path] * learned
+    assert job.make_assistant().name == arm  # type: ignore[attr-defined]
 
 
 def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: HeatmapModel) -> None:

@@ -1,4 +1,4 @@
-"""The adaptation study of study/adaptation/study.py as a table, a picture and one report.html."""
+"""The report of study adaptation: errors by bias, their ratios to the trained model's, error over drive time."""
 
 from __future__ import annotations
 
@@ -7,40 +7,47 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from lfdcore.pictures.style import ANOTHER, BASELINE, LEARNED, PAGE, REFERENCE, RULE, Picture, png, styled
-from lfdcore.study.adaptation.study import STAGES, AdaptationRun, pooled_ratio
-from lfdcore.study.report.page import Section, write_figures, write_report
-from lfdcore.study.report.statistics import block_bootstrap_ratio, summarise
+from lfdcore.pictures.style import Picture
+from lfdcore.study.adaptation.pictures import BIN, adaptation_figure
+from lfdcore.study.adaptation.study import (
+    STAGES,
+    AdaptationRun,
+    AdaptationStudy,
+    by_bias,
+    pooled_ratio,
+    run_adaptation_study,
+)
+from lfdcore.study.report.aims import Aim, reached_of
+from lfdcore.study.report.cells import mean_cell
+from lfdcore.study.report.page import Section
+from lfdcore.study.report.statistics import block_bootstrap_ratio
 from lfdcore.study.report.table import Row, Table
+from lfdcore.study.study import Findings, Progress
 
-Floats = NDArray[np.float64]
 TITLE = "On-line adaptation to a driver with a steering bias (Sec. 6.2.1)"
 WANTED_BIASED, WANTED_UNBIASED = 0.7, 1.05
 """Largest ratio to the trained model's error, of a biased and of an unbiased driver."""
-COLOURS = {"before": BASELINE, "then": ANOTHER, "adapting": LEARNED}
-_BIN = 10.0
-"""[s]"""
+JUDGED = {"then": "model of {after:g} s", "adapting": "while it adapts"}
+"""Stages whose error is compared with the trained model's"""
 
 
-def by_bias(runs: Sequence[AdaptationRun]) -> list[tuple[float, list[AdaptationRun]]]:
-    """The runs of each bias, biases rising."""
-    return [(bias, [run for run in runs if run.bias == bias]) for bias in sorted({run.bias for run in runs})]
+def aims(runs: Sequence[AdaptationRun]) -> list[Aim]:
+    """Each bias's ratios of error, as ratio_aim."""
+    return [ratio_aim(bias, mine, stage) for bias, mine in by_bias(runs) for stage in JUDGED]
 
 
-def ratio_rows(runs: Sequence[AdaptationRun]) -> list[dict[str, Any]]:
-    """A row a bias for machines: pooled ratios with 95 % intervals over drivers, and what is wanted."""
-    rows = []
-    for bias, mine in by_bias(runs):
-        row: dict[str, Any] = {"bias": bias, "runs": len(mine), "wanted": _wanted(bias)}
-        for stage in STAGES[1:]:
-            row[f"ratio_{stage}"] = pooled_ratio(mine, stage)
-            row[f"ratio_{stage}_low"], row[f"ratio_{stage}_high"] = _interval(mine, stage)
-        rows.append(row)
-    return rows
+def ratio_aim(bias: float, runs: Sequence[AdaptationRun], stage: str) -> Aim:
+    """The pooled ratio to the trained model's error with its 95 % interval over drivers, and the worst drive's."""
+    low, high = _interval(runs, stage)
+    worst = max(run.mean(stage) / run.mean("before") for run in runs)
+    label = f"{_bias_name(bias)}, {JUDGED[stage].format(after=runs[0].after)}: error / trained model's"
+    found = pooled_ratio(runs, stage)
+    return Aim.at_most(_wanted(bias), label, found, 2, low=low, high=high, note=f"worst {worst:.2f}")
+
+
+def _bias_name(bias: float) -> str:
+    return f"bias {bias:+.2f} rad" if bias else "no bias"
 
 
 def _wanted(bias: float) -> float:
@@ -54,12 +61,36 @@ def _interval(runs: Sequence[AdaptationRun], stage: str) -> tuple[float, float]:
     return float(low[0]), float(high[0])
 
 
+def ratio_rows(runs: Sequence[AdaptationRun]) -> list[dict[str, Any]]:
+    """A row a bias for machines: pooled ratios with 95 % intervals over drivers, and what is wanted."""
+    rows = []
+    for bias, mine in by_bias(runs):
+        row: dict[str, Any] = {"bias": bias, "runs": len(mine), "wanted": _wanted(bias)}
+        for stage in JUDGED:
+            row[f"ratio_{stage}"] = pooled_ratio(mine, stage)
+            row[f"ratio_{stage}_low"], row[f"ratio_{stage}_high"] = _interval(mine, stage)
+        rows.append(row)
+    return rows
+
+
 def origin(runs: Sequence[AdaptationRun]) -> str:
     """n and seeds of everything."""
     courses = ", ".join(dict.fromkeys(run.course for run in runs))
     seeds = sorted({run.seed for run in runs})
     return (
         f"n = {len(seeds)} simulated able drivers, seeds {seeds[0]}..{seeds[-1]}, each with every bias, on {courses}."
+    )
+
+
+def adaptation_headline(runs: Sequence[AdaptationRun]) -> str:
+    """The result in two sentences, whether it was reached, n and seeds."""
+    ratios = {
+        stage: ", ".join(f"{pooled_ratio(mine, stage):.2f} ({_bias_name(bias)})" for bias, mine in by_bias(runs))
+        for stage in JUDGED
+    }
+    return (
+        f"While it adapts, the joystick model errs {ratios['adapting']} times as much as the trained model. As it was "
+        f"after {runs[0].after:g} s and is kept: {ratios['then']}. {reached_of(aims(runs))} {origin(runs)}"
     )
 
 
@@ -88,95 +119,38 @@ def adaptation_table(runs: Sequence[AdaptationRun]) -> Table:
 
 
 def _row(bias: float, runs: Sequence[AdaptationRun]) -> Row:
+    ratios = [ratio_aim(bias, runs, stage) for stage in JUDGED]
     return (
         f"{bias:+.2f}",
         str(len(runs)),
         str(sum(run.outcome == "completed" for run in runs)),
         str(sum(run.collisions for run in runs)),
-        *(_error(runs, stage) for stage in STAGES),
-        *(_ratio(bias, runs, stage) for stage in STAGES[1:]),
-        f"<= {_wanted(bias):.2f}",
+        *(mean_cell([run.mean(stage) for run in runs], 3, with_sd=False) for stage in STAGES),
+        *(ratio.as_text() for ratio in ratios),
+        ratios[0].wanted,
     )
 
 
-def _error(runs: Sequence[AdaptationRun], stage: str) -> str:
-    s = summarise([run.mean(stage) for run in runs])
-    return f"{s.mean:.3f}" + (f"\n[{max(s.low, 0.0):.3f}, {s.high:.3f}]" if s.n > 1 else "")
-
-
-def _ratio(bias: float, runs: Sequence[AdaptationRun], stage: str) -> str:
-    ratio, (low, high) = pooled_ratio(runs, stage), _interval(runs, stage)
-    worst = max(run.mean(stage) / run.mean("before") for run in runs)
-    verdict = " MISSED" if ratio > _wanted(bias) else ""
-    spread = f"\n[{low:.2f}, {high:.2f}]" if np.isfinite(low) else ""
-    return f"{ratio:.2f}{verdict}{spread}\nworst {worst:.2f}"
-
-
-def _over_time(runs: Sequence[AdaptationRun], stage: str) -> tuple[Floats, Floats]:
-    """-> middles of bins (K,) [s], errors (runs, K), NaN where a run has none."""
-    count = int(np.ceil(max(run.stamp[-1] for run in runs) / _BIN)) + 1
-    errors = np.full((len(runs), count), np.nan)
-    for row, run in zip(errors, runs, strict=True):
-        error = getattr(run, f"error_{stage}")
-        there = np.isfinite(error)
-        if stage == "then":
-            there &= run.stamp > run.after
-        index = (run.stamp[there] / _BIN).astype(int)
-        number = np.bincount(index, minlength=count)
-        row[:] = np.bincount(index, error[there], minlength=count) / np.where(number, number, np.nan)
-    middles = np.asarray((np.arange(count) + 0.5) * _BIN, float)
-    return middles, errors
-
-
-def _draw(axes: Axes, runs: Sequence[AdaptationRun], stage: str, label: str) -> None:
-    """The mean over runs with its 95 % band, while at least half of them still drive."""
-    at, errors = _over_time(runs, stage)
-    enough = np.isfinite(errors).sum(axis=0) >= max(1, len(runs) / 2)
-    bins = [summarise(column) for column in errors[:, enough].T]
-    mean, low, high = (np.array([getattr(s, name) for s in bins]) for name in ("mean", "low", "high"))
-    colour = COLOURS[stage]
-    axes.plot(at[enough], mean, color=colour, lw=1.4, label=label, zorder=3)
-    axes.fill_between(at[enough], np.maximum(low, 0), high, color=colour, alpha=0.18, lw=0, zorder=2)
-
-
-@styled
-def adaptation_figure(runs: Sequence[AdaptationRun]) -> Figure:
-    """Error over drive time, a panel a bias: as trained, as of `after` and kept, adapting."""
-    groups, after = by_bias(runs), runs[0].after
-    figure = Figure(figsize=(PAGE, 3.2), layout="constrained")
-    panels = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
-    names = {"before": "as trained", "then": f"as of {after:g} s, kept", "adapting": "adapting"}
-    for axes, (bias, mine) in zip(panels, groups, strict=True):
-        for stage, label in names.items():
-            _draw(axes, mine, stage, label)
-        axes.axvline(after, color=REFERENCE, lw=0.8, ls="--", zorder=1)
-        axes.set(
-            xlabel="time into the drive [s]",
-            title=f"bias {bias:+.2f} rad, n = {len(mine)}" if bias else f"no bias, n = {len(mine)}",
-        )
-        axes.set_xlim(left=0)
-        axes.grid(axis="y", lw=0.4, color=RULE)
-        axes.spines[["top", "right"]].set_visible(False)
-    panels[0].set_ylim(bottom=0)  # of all, once all is drawn: limits set before would cut what comes later
-    panels[0].set_ylabel("error of the joystick model [rad]")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
-    return figure
-
-
-def write_adaptation(runs: Sequence[AdaptationRun], folder: Path, command: str = "") -> Path:
-    """adaptation.png, figures.json and report.html in `folder` -> the report's path."""
-    figure = adaptation_figure(runs)
-    (folder / "adaptation.png").write_bytes(png(figure))
-    write_figures(folder / "figures.json", [run.row() for run in runs])
+def findings(runs: Sequence[AdaptationRun]) -> Findings:
+    """Everything that is shown."""
     text = (
         "A driver whose stick points beside what is meant drives with the heatmaps' assistant, whose joystick model "
         "learns from what is followed. All is simulated: drivers, chair, courses."
     )
     caption = (
-        f"Mean over runs in bins of {_BIN:g} s with 95 % bands, while at least half of the runs go on. Dashed: from "
+        f"Mean over runs in bins of {BIN:g} s with 95 % bands, while at least half of the runs go on. Dashed: from "
         f"here on the table judges. {origin(runs)}"
     )
-    section = Section(TITLE, text, [adaptation_table(runs)], [Picture(figure, caption)])
-    made = f"Made by `{command}`" if command else ""
-    return write_report(folder / "report.html", TITLE, [section], origin=made)
+    picture = Picture(adaptation_figure(runs), caption, "adaptation.png")
+    return Findings(
+        headline=adaptation_headline(runs),
+        sections=[Section(TITLE, text, [adaptation_table(runs)], [picture])],
+        rows=[*(run.row() for run in runs), *ratio_rows(runs)],
+        keys=("course", "bias", "seed"),
+        aims=aims(runs),
+    )
+
+
+def run(study: AdaptationStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study adaptation."""
+    return findings(run_adaptation_study(study, folder, tell))

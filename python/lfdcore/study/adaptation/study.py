@@ -8,27 +8,30 @@ same ticks, those later than `after` seconds.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.errors import ModelError
-from lfdcore.geometry import Pose2, Twist2, wrap_angle
+from lfdcore.geometry import wrap_angle
+from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import Course
-from lfdcore.simulated.drivers import AbleConfig, AbleDriver, DriverInput, able_population
+from lfdcore.simulated.drivers import AbleConfig, able_population
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels
+from lfdcore.study.arms import StudyModels, courses_by_name
+from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Study, silent
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.observation import Assistance, Observation
 
 Floats = NDArray[np.float64]
 BIAS = 0.3
@@ -37,24 +40,6 @@ STAGES = ("before", "then", "adapting")
 """The trained model, the one of `after` seconds, the one of each tick."""
 AT_REST = 0.05
 """A stick displaced less than this has no orientation to err by."""
-
-
-class BiasedDriver(AbleDriver):
-    """An able driver whose stick points `bias` [rad, positive = left] beside what is meant."""
-
-    name = "biased"
-
-    def __init__(self, course: Course, bias: float, config: AbleConfig | None = None) -> None:
-        if not abs(bias) < math.pi / 2:  # NaN too
-            raise ValueError(f"bias is {bias} rad, must lie within pi / 2 of 0")
-        super().__init__(course, config)
-        self.bias = bias
-
-    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
-        """The stick now, as in Driver.act: desired as meant, joystick beside it."""
-        meant = super().act(stamp, pose, twist, in_contact).desired
-        c, s = math.cos(self.bias), math.sin(self.bias)
-        return DriverInput(np.array([c * meant[0] - s * meant[1], s * meant[0] + c * meant[1]]).clip(-1, 1), meant)
 
 
 class _Watched:
@@ -114,39 +99,46 @@ class AdaptationRun:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AdaptationStudy:
-    """Driver k of the able population drives every course with every bias and seed `seed` + k."""
+class AdaptationStudy(Study):
+    """Drivers with a steering bias: the joystick model's error before and while it adapts (Sec. 6.2.1)."""
 
-    courses: tuple[Course, ...]
-    model: Path
-    """File of heatmaps"""
+    name = "adaptation"
+    title = "on-line adaptation to a driver with a steering bias (Sec. 6.2.1)"
+
+    model: HeatmapsFile = None
+    courses: Annotated[
+        tuple[str, ...],
+        Option("Comma-separated names of courses or map .yaml files; office and flat were tuned on."),
+    ] = ("standard_course",)
+    drivers: Annotated[int, Option("Simulated able drivers, each unbiased and +-.3 rad beside.", minimum=1)] = 10
     biases: tuple[float, ...] = (0.0, BIAS, -BIAS)
-    drivers: int = 5
-    seed: int = 1
     after: float = 60.0
     adaptation: AdaptationConfig = field(default_factory=AdaptationConfig)
     run: RunConfig = field(default_factory=RunConfig)
 
 
-def run_adaptation_study(
-    study: AdaptationStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> tuple[AdaptationRun, ...]:
-    """One run a course, bias and driver, in that order. ValueError for a drive that ends before `after`; ModelError for
-    a file that holds no heatmaps."""
-    StudyModels(heatmaps=study.model).of("heatmaps")  # refused before anything is driven
+def run_adaptation_study(study: AdaptationStudy, folder: Path, tell: Progress = silent) -> tuple[AdaptationRun, ...]:
+    """Driver k of the able population drives every course with every bias and seed `seed` + k -> one run a course, bias
+    and driver, in that order. A model that is not given is learned in `folder`.
+
+    ValueError for courses as courses_by_name, a model of another method or a drive that ends before `after`.
+    """
+    courses = courses_by_name(study.courses, study.seed)
+    model = heatmaps_or_learned(study.model, folder, study.seed, tell, study.processes)
     drivers = able_population(study.drivers, study.seed)
     jobs = [
-        _Drive(study, course, bias, k, drivers[k])
-        for course in study.courses
+        _Drive(study, model, course, bias, k, drivers[k])
+        for course in courses
         for bias in study.biases
         for k in range(study.drivers)
     ]
-    return run_jobs(jobs, progress, processes)
+    return run_jobs(jobs, partial(tell, "drive"), study.processes)
 
 
 @dataclass(frozen=True)
 class _Drive:
     study: AdaptationStudy
+    model: Path
     course: Course
     bias: float
     number: int
@@ -154,15 +146,10 @@ class _Drive:
 
     def run(self) -> AdaptationRun:
         study, simulated = self.study, self.study.run
-        chair = ChairGeometry(
-            footprint=simulated.chair.footprint,
-            limits=simulated.chair.limits,
-            T_base_laser=simulated.lidar.T_base_laser,
-        )
-        model = StudyModels(heatmaps=study.model).of("heatmaps")
+        model = StudyModels(heatmaps=self.model).of("heatmaps")
         if not isinstance(model, HeatmapModel):
-            raise ModelError(f"{study.model} holds no heatmaps")
-        watched = _Watched(AdaptiveAssistant(model, chair, adaptation=study.adaptation), study.after)
+            raise ModelError(f"{self.model} holds no heatmaps")
+        watched = _Watched(AdaptiveAssistant(model, simulated.geometry, adaptation=study.adaptation), study.after)
         driver = BiasedDriver(self.course, self.bias, self.driver)
         trace = run_drive(self.course, driver, watched, study.seed + self.number, simulated)
         return self._judged(trace, model.joystick, watched)
@@ -197,3 +184,8 @@ def angle_errors(wanted: Floats, meant: Floats) -> Floats:
 def pooled_ratio(runs: Sequence[AdaptationRun], stage: str) -> float:
     """Mean error at a stage ('then' or 'adapting') over the mean error before, of all runs."""
     return float(np.mean([run.mean(stage) for run in runs]) / np.mean([run.mean("before") for run in runs]))
+
+
+def by_bias(runs: Sequence[AdaptationRun]) -> list[tuple[float, list[AdaptationRun]]]:
+    """The runs of each bias, biases rising."""
+    return [(bias, [run for run in runs if run.bias == bias]) for bias in sorted({run.bias for run in runs})]

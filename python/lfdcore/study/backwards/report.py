@@ -1,4 +1,4 @@
-"""The study of study/backwards/study.py as a table, pictures of paths and one report.html."""
+"""The report of study backwards: contacts, time and paths by kind of driver and assistant."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from lfdcore.pictures.course import arm_name, course_figure
-from lfdcore.pictures.style import Picture, png
+from lfdcore.pictures.style import Picture
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.backwards.study import AROUND, backwards_course
+from lfdcore.study.backwards.study import AROUND, BackwardsStudy, backwards_course, run_backwards_study
 from lfdcore.study.driving.metrics import driving_metrics
-from lfdcore.study.report.page import Section, write_figures, write_report
-from lfdcore.study.report.statistics import Summary, poisson_rate, proportion, summarise, summarise_bounded
+from lfdcore.study.report.cells import count_cell, mean_cell, share_cell
+from lfdcore.study.report.page import Section
 from lfdcore.study.report.table import Row, Table
+from lfdcore.study.study import Findings, Progress
 
 TITLE = f"Backwards through the hall, {AROUND.beams} beams over 360 degrees (Sec. 6.2.1)"
 
@@ -74,54 +74,74 @@ def backwards_table(traces: Sequence[DriveTrace]) -> Table:
 
 
 def _row(driver: str, arm: str, traces: Sequence[DriveTrace]) -> Row:
-    n, arrived = len(traces), sum(trace.completed for trace in traces)
-    contacts = sum(int(trace.collision.sum()) for trace in traces)
-    share, low, high = (100 * value for value in proportion(arrived, n))
-    _, rate_low, rate_high = poisson_rate(contacts, n)
+    n = len(traces)
     return (
         f"{driver}\n{arm_name(arm)}",
         str(n),
-        f"{arrived} of {n}\n{share:.0f} % [{low:.0f}, {high:.0f}]",
-        f"{contacts} in {n}\n[{rate_low:.2f}, {rate_high:.2f}]",
-        _mean(summarise([float(trace.stamp[-1]) for trace in traces if trace.completed]), 0),
-        _mean(summarise([driving_metrics(trace).angular_jerk for trace in traces]), 2),
-        _mean(summarise_bounded([float((trace.mode == "path").mean()) for trace in traces]), 2),
-        _mean(summarise_bounded([float(np.mean(trace.twist[:, 0] < 0)) for trace in traces]), 2),
+        share_cell(_arrived(traces), n),
+        count_cell(_contacts(traces), n),
+        mean_cell([float(trace.stamp[-1]) for trace in traces if trace.completed], 0, with_sd=False),
+        mean_cell([driving_metrics(trace).angular_jerk for trace in traces], 2, with_sd=False),
+        mean_cell([float((trace.mode == "path").mean()) for trace in traces], 2, bounded=True, with_sd=False),
+        mean_cell([float(np.mean(trace.twist[:, 0] < 0)) for trace in traces], 2, bounded=True, with_sd=False),
     )
 
 
-def _mean(s: Summary, digits: int) -> str:
-    if s.n == 0:
-        return "-"
-    return f"{s.mean:.{digits}f}" + (f"\n[{max(s.low, 0.0):.{digits}f}, {s.high:.{digits}f}]" if s.n > 1 else "")
+def _arrived(traces: Sequence[DriveTrace]) -> int:
+    return sum(trace.completed for trace in traces)
 
 
-def paths_figures(traces: Sequence[DriveTrace]) -> list[tuple[str, Figure]]:
+def _contacts(traces: Sequence[DriveTrace]) -> int:
+    return sum(int(trace.collision.sum()) for trace in traces)
+
+
+def backwards_headline(traces: Sequence[DriveTrace]) -> str:
+    """Contacts and completed runs of each kind of driver and arm, n and seeds."""
+    groups = _groups(traces)
+    by_driver = [
+        f"{driver}: " + ", ".join(_in_words(arm, mine) for (kind, arm), mine in groups.items() if kind == driver)
+        for driver in dict.fromkeys(driver for driver, _ in groups)
+    ]
+    return f"Contacts, and runs completed, by driver and assistant: {'; '.join(by_driver)}. {origin(traces)}"
+
+
+def _in_words(arm: str, traces: Sequence[DriveTrace]) -> str:
+    return f"{arm_name(arm)} {_contacts(traces)} ({_arrived(traces)} of {len(traces)})"
+
+
+def path_pictures(traces: Sequence[DriveTrace]) -> list[Picture]:
     """Of each kind of driver the first one's runs, a panel an assistant."""
-    figures = []
-    for driver in dict.fromkeys(trace.driver for trace in traces):
-        mine = [trace for trace in traces if trace.driver == driver]
-        first = [trace for trace in mine if trace.seed == mine[0].seed]
-        figures.append((driver, course_figure(backwards_course(), first)))
-    return figures
-
-
-def write_backwards(traces: Sequence[DriveTrace], folder: Path, command: str = "") -> Path:
-    """backwards-N.png, figures.json and report.html in `folder` -> the report's path."""
-    pictures = []
-    for number, (driver, figure) in enumerate(paths_figures(traces)):
-        (folder / f"backwards-{number}.png").write_bytes(png(figure))
-        caption = (
+    return [
+        Picture(
+            course_figure(backwards_course(), _first(traces, driver)),
             f"Driver: {driver}, seed {traces[0].seed}. The chair's long end, its nose, points back along the way that "
-            "it has come."
+            "it has come.",
+            f"backwards-{number}.png",
         )
-        pictures.append(Picture(figure, caption))
-    write_figures(folder / "figures.json", run_rows(traces))
+        for number, driver in enumerate(dict.fromkeys(trace.driver for trace in traces))
+    ]
+
+
+def _first(traces: Sequence[DriveTrace], driver: str) -> list[DriveTrace]:
+    mine = [trace for trace in traces if trace.driver == driver]
+    return [trace for trace in mine if trace.seed == mine[0].seed]
+
+
+def findings(traces: Sequence[DriveTrace]) -> Findings:
+    """Everything that is shown."""
     text = (
         "The scanner sees behind the chair, and for a stick that points behind the heatmaps' assistant takes the "
         "chair's back for its front; nothing was learned anew. The scanner sits on the nose, and its beams pass "
         "through the chair's own body. All is simulated: drivers, chair, hall."
     )
-    section = Section(TITLE, text, [backwards_table(traces)], pictures)
-    made = f"Made by `{command}`" if command else ""
-    return write_report(folder / "report.html", TITLE, [section], origin=made)
+    return Findings(
+        headline=backwards_headline(traces),
+        sections=[Section(TITLE, text, [backwards_table(traces)], path_pictures(traces))],
+        rows=run_rows(traces),
+        keys=("driver", "assistant", "seed"),
+    )
+
+
+def run(study: BackwardsStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study backwards."""
+    return findings(run_backwards_study(study, folder, tell))

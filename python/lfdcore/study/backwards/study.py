@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 from lfdcore.simulated.courses import Course, hall
 from lfdcore.simulated.drivers import AbleConfig, Driver, ImpairedConfig, able_population, population
@@ -14,8 +15,10 @@ from lfdcore.simulated.reversing_driver import ImpairedReversingDriver, Reversin
 from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.simulation import LidarConfig
-from lfdcore.study.arms import StudyModels, make_assistant, require_once
+from lfdcore.study.arms import StudyModels, make_assistant, require_known
+from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Study, silent
 from lfdcore.wheelchair.assistants import Assistant
 from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant
 
@@ -26,23 +29,23 @@ DRIVERS = ("able", "impaired")
 
 
 @dataclass(frozen=True, kw_only=True)
-class BackwardsStudy:
-    """Driver k of each population drives the hall backwards in every arm with seed `seed` + k."""
+class BackwardsStudy(Study):
+    """Drivers who go backwards through a hall, 360-degree scanner: collisions, time and paths by assistant."""
 
-    heatmaps: Path | None
-    """File of the model; None where no arm needs one"""
-    arms: tuple[str, ...] = ARMS
+    name = "backwards"
+    title = "backwards with a scanner that sees all around (Sec. 6.2.1)"
+
+    model: HeatmapsFile = None
+    arms: Annotated[
+        tuple[str, ...], Option("Of none, supervisor, dwa_1s, two_way (the heatmaps').", flag="--assistants")
+    ] = ARMS
+    drivers: Annotated[int, Option("Simulated drivers of each kind.", minimum=1)] = 10
     kinds: tuple[str, ...] = DRIVERS
-    drivers: int = 10
-    seed: int = 1
 
-
-def require_arms(arms: Sequence[str]) -> None:
-    """ValueError without an arm, for one that is unknown or there twice."""
-    for arm in arms:
-        if arm not in ARMS:
-            raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS)}")
-    require_once("assistant", arms)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_known("assistant", self.arms, ARMS)
+        require_known("driver", self.kinds, DRIVERS)
 
 
 def backwards_course() -> Course:
@@ -50,30 +53,32 @@ def backwards_course() -> Course:
     return facing_back(hall())
 
 
-def run_backwards_study(
-    study: BackwardsStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> tuple[DriveTrace, ...]:
-    """One run a kind of driver, arm and driver, in that order. ValueError for an unknown arm or kind, or without a
-    model that an arm needs; ModelError for a file that holds no heatmaps."""
-    models, run, course = StudyModels(heatmaps=study.heatmaps), RunConfig(lidar=AROUND), backwards_course()
-    require_arms(study.arms)
-    for arm in study.arms:
-        _assistant(arm, models, run)  # refused before anything is driven
+def run_backwards_study(study: BackwardsStudy, folder: Path, tell: Progress = silent) -> tuple[DriveTrace, ...]:
+    """Driver k of each population drives the hall backwards in every arm with seed `seed` + k -> one run a kind of
+    driver, arm and driver, in that order. A model that an arm needs and that is not given is learned in `folder`.
+
+    ValueError for a model of another method.
+    """
+    models, run, course = StudyModels(heatmaps=_model(study, folder, tell)), RunConfig(lidar=AROUND), backwards_course()
     jobs = [
         Job(course, driver, partial(_assistant, arm, models, run), study.seed + k, run)
         for kind in study.kinds
         for arm in study.arms
         for k, driver in enumerate(_drivers(kind, study.drivers, study.seed))
     ]
-    return run_jobs(jobs, progress, processes)
+    return run_jobs(jobs, partial(tell, "drive backwards"), study.processes)
+
+
+def _model(study: BackwardsStudy, folder: Path, tell: Progress) -> Path | None:
+    if study.model is None and "two_way" not in study.arms:
+        return None
+    return heatmaps_or_learned(study.model, folder, study.seed, tell, study.processes)
 
 
 def _drivers(kind: str, n: int, seed: int) -> list[Callable[[Course], Driver]]:
     if kind == "able":
         return [partial(_able, config) for config in able_population(n, seed)]
-    if kind == "impaired":
-        return [partial(impaired_driver, config) for config in population(n, seed)]
-    raise ValueError(f"driver is '{kind}', must be one of {', '.join(DRIVERS)}")
+    return [partial(_impaired, config) for config in population(n, seed)]
 
 
 def _able(config: AbleConfig, course: Course) -> Driver:
@@ -82,7 +87,7 @@ def _able(config: AbleConfig, course: Course) -> Driver:
     return ReversingDriver(course, own)
 
 
-def impaired_driver(config: ImpairedConfig, course: Course) -> Driver:
+def _impaired(config: ImpairedConfig, course: Course) -> Driver:
     return ImpairedReversingDriver(course, config)
 
 

@@ -7,8 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from lfdcore.simulated.courses import course_by_name
-from lfdcore.study.arms import ARMS, METHODS, StudyModels, models_by_method, require_arms
+from lfdcore.study.arms import ARMS, METHODS, StudyModels, courses_by_name, models_by_method, require_arms
 from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
 from lfdcore.study.driving.plan import DrivingPlan, DrivingResult, run_driving_plan
 from lfdcore.study.driving.tasks import TaskPlan, TaskResult, run_task_plan
@@ -56,7 +55,7 @@ def run_driving_study(study: DrivingStudy, folder: Path, tell: Progress = silent
     ValueError before anything is driven for a course or a model that cannot be used.
     """
     given = models_by_method(study.models)
-    courses = tuple(course_by_name(name, study.seed) for name in study.courses)
+    courses = courses_by_name(study.courses, study.seed)
     plan = DrivingPlan(courses=courses, models=given, arms=study.assistants, drivers=study.drivers, seed=study.seed)
     models = _learn_what_is_missing(study, folder, given, tell)
     driven = run_driving_plan(replace(plan, models=models), partial(tell, "drive courses never seen"), study.processes)
@@ -76,6 +75,6 @@ def _learn_what_is_missing(study: DrivingStudy, folder: Path, given: StudyModels
         primitives = learn_from_demonstrations(folder, study.seed, progress=partial(tell, "learn primitives"))
     if heatmaps is None and "heatmaps" in needed:
         heatmaps = learn_heatmaps_from_demonstrations(
-            folder, study.seed, under("heatmaps", tell), processes=study.processes
+            folder, study.seed, under(tell, "heatmaps"), processes=study.processes
         )
     return StudyModels(primitives, heatmaps)

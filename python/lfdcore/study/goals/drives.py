@@ -21,14 +21,11 @@ from lfdcore.study.jobs import run_jobs
 from lfdcore.wheelchair.assistants import Unassisted
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 RUNS_EACH = 6
 """drives to each destination (Sec. 2.2)"""
 SEED = 2
-"""of all drives that are reported; chosen before any model was learned from them"""
-MAP_SEED = 1
-"""of the destinations in willow_full (`goals_in_map`); likewise, as one of which no able drive touches anything"""
+"""of all drives that are reported, and of their study; chosen before any model was learned from them"""
 MOST_NOISE = 100.0
 """[%] of full scale"""
 
@@ -81,22 +78,6 @@ class GoalDrives:
         """Contacts in all drives."""
         return sum(int(trace.collision.sum()) for trace in self.traces)
 
-    def table(self) -> str:
-        """Destinations with their drives' durations [s], lengths [m] and contacts, and the numbers of samples."""
-        lines = ["goal   drives  mean [s]    min    max   route [m]  arrived  contacts"]
-        for name in self.world.goals.names:
-            mine = [t for t, goal in zip(self.traces, self.destinations, strict=True) if goal == name]
-            times = [len(t.stamp) * t.period for t in mine]
-            way = [float(np.hypot(*np.diff(t.pose[:, :2], axis=0).T).sum()) for t in mine]
-            contacts, arrived = sum(int(t.collision.sum()) for t in mine), sum(t.completed for t in mine)
-            lines.append(
-                f"{name:<6} {len(mine):6d} {np.mean(times):9.1f} {min(times):6.1f} {max(times):6.1f} "
-                f"{np.mean(way):11.1f} {arrived:8d} {contacts:9d}"
-            )
-        train, test = self.samples(self.training), self.samples(self.held_out)
-        lines.append(f"samples: {train} to learn from ({len(self.training)} drives), {test} held out")
-        return "\n".join(lines)
-
 
 def record_goal_drives(
     folder: Path,
@@ -104,7 +85,7 @@ def record_goal_drives(
     seed: int = SEED,
     config: RunConfig | None = None,
     processes: int | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> GoalDrives:
     """Six able drivers, unassisted, once each to every destination of a world (default: the building of Ch. 2).
 

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import Pose2
-from lfdcore.simulated.courses import GoalWorld, goal_building
-from lfdcore.study.goals.drives import GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
+from lfdcore.simulated.courses import GoalWorld, goal_building, goals_in_map
+from lfdcore.study.goals.drives import SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.evaluation import (
     BASELINES,
     Accuracy,
     accuracy,
     confidence_time,
 )
+from lfdcore.study.preset import Preset
+from lfdcore.study.study import Option, Progress, Seed, Study, silent
 from lfdcore.training.goal_models import (
     GoalLearningConfig,
     KernelLikelihood,
@@ -35,8 +38,6 @@ from lfdcore.wheelchair.goals.samples import GoalSamples, drive_samples, goal_sa
 from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
 
 Floats = NDArray[np.float64]
-Progress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
 NOISE = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0)
 """Of the stick in Table 2.1 [% of full scale]"""
 TRIALS, TRIAL_GOALS, TRIAL_SEED = 5, 4, 500
@@ -50,15 +51,28 @@ _TIMED = 20
 
 
 @dataclass(frozen=True, kw_only=True)
-class GoalStudy:
-    """full: judge all data beside the subset, which takes minutes and gigabytes for N = 10^4."""
+class GoalStudy(Study):
+    """Drives to six destinations -> network, Gaussian process and filter: Tables 2.1-2.2, Fig. 2.4-2.8. Needs torch."""
 
-    folder: Path
-    world: GoalWorld = field(default_factory=goal_building)
-    learning: GoalLearningConfig = field(default_factory=GoalLearningConfig)
-    full: bool = True
-    seed: int = 1
-    processes: int | None = None
+    name = "goals"
+    title = "global goals"
+
+    map_file: Annotated[
+        Path | None, Option("A map (.yaml) with destinations drawn by seed. Default: our building.", flag="--map")
+    ] = None
+    full: Annotated[bool, Option("Judge all data too: minutes, and 2 GB for N = 10^4.", flag="--full/--sparse")] = True
+    subset: Annotated[int, Option("Samples that Alg. 1 keeps.", minimum=1)] = GoalLearningConfig.subset
+    preset: Annotated[Preset, Option("'thesis' restores printed values.")] = Preset.default
+    seed: Seed = SEED
+
+    def world(self) -> GoalWorld:
+        """Of the map; without one the building of Ch. 2."""
+        return goal_building() if self.map_file is None else goals_in_map(self.map_file, self.seed)
+
+    def learning(self) -> GoalLearningConfig:
+        """Of the preset, with the study's subset and seed."""
+        config = GoalLearningConfig.thesis() if self.preset is Preset.thesis else GoalLearningConfig()
+        return replace(config, subset=self.subset, seed=self.seed)
 
 
 @dataclass(frozen=True)
@@ -113,30 +127,26 @@ class GoalResult:
         return self.model.goals.positions[self.held_out.goal]
 
 
-def run_goal_study(study: GoalStudy, progress: Progress | None = None) -> GoalResult:
-    """Drives, learns, judges. ValueError as record_goal_drives and learn_goals; needs torch."""
-    tell = progress or (lambda stage, done, total: None)
-    study.folder.mkdir(parents=True, exist_ok=True)
-    drives = record_goal_drives(
-        study.folder, study.world, study.seed, processes=study.processes, progress=partial(tell, "drive")
-    )
-    return judge_goal_drives(study, drives, _record_trials(study, tell), tell)
+def run_goal_study(study: GoalStudy, folder: Path, tell: Progress = silent) -> GoalResult:
+    """Drives, with logs in `folder`, learns, judges. ValueError as goals_in_map and learn_goals; needs torch."""
+    world = study.world()
+    drives = record_goal_drives(folder, world, study.seed, processes=study.processes, progress=partial(tell, "drive"))
+    trials = _record_trials(study, world, folder / "trials", tell)
+    return judge_goal_drives(study, drives, trials, study.learning(), tell)
 
 
 def judge_goal_drives(
-    study: GoalStudy, drives: GoalDrives, trials: GoalDrives, progress: Progress | None = None
+    study: GoalStudy, drives: GoalDrives, trials: GoalDrives, learning: GoalLearningConfig, tell: Progress = silent
 ) -> GoalResult:
     """Learns from recorded drives and judges on those held out; trials: drives of others, for Table 2.1."""
-    tell = progress or (lambda stage, done, total: None)
-    goals = study.world.goals
-    learning = replace(study.learning, seed=study.seed)
+    goals = drives.world.goals
     model = learn_goals(drives.logs(drives.training), goals, learning, tell, study.processes or 1)
     held_out = goal_samples(drives.logs(drives.held_out), goals)
     likelihoods = kernel_likelihoods(model.samples, goals, model.kernels, learning, tell) if study.full else None
     models = action_models(model, study.full, tell)
     tracks = _tracks(model, models, held_out, tell)
     network = model.network.predict(held_out.pose, held_out.joystick)
-    off, localised = _localised(study, drives, tell)
+    off, localised = _localised(drives, tell)
     return GoalResult(
         study,
         drives,
@@ -184,15 +194,10 @@ def _accuracies(
     return tuple(accuracy(name, goals, held_out) for name, goals in said.items())
 
 
-def _record_trials(study: GoalStudy, tell: Progress) -> GoalDrives:
-    folder = study.folder / "trials"
+def _record_trials(study: GoalStudy, world: GoalWorld, folder: Path, tell: Progress) -> GoalDrives:
     folder.mkdir(exist_ok=True)
     return record_goal_drives(
-        folder,
-        study.world,
-        study.seed + TRIAL_SEED,
-        processes=study.processes,
-        progress=partial(tell, "drive with noise"),
+        folder, world, study.seed + TRIAL_SEED, processes=study.processes, progress=partial(tell, "drive with noise")
     )
 
 
@@ -200,7 +205,7 @@ def _noise_trials(study: GoalStudy, drives: GoalDrives, model: GoalModel) -> tup
     """Five drivers to the first destinations; the noise comes onto the recorded stick, the chair was driven without."""
     trials = []
     for k, (name, driver) in enumerate(zip(drives.destinations, drives.drivers, strict=True)):
-        goal = study.world.goals.index(name)
+        goal = drives.world.goals.index(name)
         if goal >= TRIAL_GOALS or driver >= TRIALS:
             continue
         samples = drive_samples(drives.logs([k])[0], goal)
@@ -229,7 +234,7 @@ def _pose_errors(model: GoalModel, sparse: ActionModel, held_out: GoalSamples, t
     return found
 
 
-def _localised(study: GoalStudy, drives: GoalDrives, tell: Progress) -> tuple[Floats, list[GoalSamples]]:
+def _localised(drives: GoalDrives, tell: Progress) -> tuple[Floats, list[GoalSamples]]:
     """The held-out drives as if their poses in the map were not known -> errors (M, 2), samples with matched poses."""
     errors, samples = [], []
     logs = drives.logs(drives.held_out)
@@ -237,11 +242,11 @@ def _localised(study: GoalStudy, drives: GoalDrives, tell: Progress) -> tuple[Fl
         tell("match scans", k, len(logs))
         truth = log.map_pose_at(log.scan_stamp)
         blind = replace(log, map_stamp=np.zeros(0), map_odom=np.zeros((0, 3)))
-        matched = with_map_poses(blind, study.world.grid, Pose2(*truth[0].tolist()))
+        matched = with_map_poses(blind, drives.world.grid, Pose2(*truth[0].tolist()))
         off = matched.map_pose_at(log.scan_stamp) - truth
         turned = np.arctan2(np.sin(off[:, 2]), np.cos(off[:, 2]))
         errors.append(np.column_stack([np.hypot(off[:, 0], off[:, 1]), np.abs(turned)]))
-        samples.append(drive_samples(matched, study.world.goals.index(log.metadata["destination"]), k))
+        samples.append(drive_samples(matched, drives.world.goals.index(log.metadata["destination"]), k))
     tell("match scans", len(logs), len(logs))
     return np.concatenate(errors), samples
 

@@ -1,28 +1,27 @@
-"""Real handovers (Sec. 5.3, 6.2.2): how well is the taker's motion foretold from what was seen of the giver?
+"""Real handovers (Sec. 5.3, 6.2.2): how well is the taker's motion predicted from what was seen of the giver?
 
 The giver is the partner, the taker the robot. Demonstrations are split at random; of each one held out a share of the
 giver's motion is seen, and the taker's whole motion is compared in normalised time. Nothing about the scene is known
-beforehand in these sets, so there is no environment: where a method is told what nobody could know by then, it is
-called an oracle.
+beforehand in these sets, so there is no environment. A method that is given what nobody could know by then is called an
+oracle.
 """
 
 from __future__ import annotations
 
-import tokenize
-import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.datasets.handovers import KTH_FAULTS, read_dynamic_handovers, read_kth_handovers
 from lfdcore.datasets.interaction import InteractionRecording
-from lfdcore.errors import DataError
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
+from lfdcore.study.handovers.tasks import HandoverTask, hand_columns, handover_tasks, position_columns
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.study import Option, Progress, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Array = NDArray[np.float64]
@@ -40,6 +39,9 @@ METHODS = (
     "oracle: IP told the phase",
     "oracle: IP told the place",
 )
+WARPED, LIKELIEST, MEAN, NEAREST = (
+    METHODS.index(name) for name in ("IP, phase by time warping", "IP", "mean trajectory", "nearest demonstration")
+)
 MEASURES = ("over time", "at the end", "at the handover")
 """RMS distances of the taker's hands [m]: over the whole motion, at its last sample, and where giver and taker are
 closest"""
@@ -49,33 +51,24 @@ STEPS = 100
 """of a motion"""
 TESTED = 0.2
 """share of the demonstrations held out in a split"""
-HANDS = ("baton", "hand", "left_hand", "right_hand")
-
-
-@dataclass(frozen=True, eq=False)
-class HandoverTask:
-    """One set of handovers, and what is seen and foretold of them."""
-
-    name: str
-    description: str
-    recordings: tuple[InteractionRecording, ...]
-
-    def __post_init__(self) -> None:
-        if len(self.recordings) < 10:
-            raise ValueError(f"{self.name} has {len(self.recordings)} handovers, must have at least 10 to be split")
 
 
 @dataclass(frozen=True, kw_only=True)
-class HandoverStudy:
-    """What is to be judged: every task in `splits` random splits by demonstration."""
+class HandoverStudy(Study):
+    """Real handovers: error of the predicted taker by share observed, for IP and baselines, with intervals."""
 
-    tasks: tuple[HandoverTask, ...]
-    splits: int = 10
-    seed: int = 1
+    name = "handovers"
+    title = "real handovers"
+
+    data: Annotated[tuple[Path, ...], Option("kth_handover_6d.npz, dynamic_handover_120.npz or both.", flag="argument")]
+    splits: Annotated[int, Option("Random splits by demonstration.", minimum=1)] = 10
 
     def __post_init__(self) -> None:
-        if self.splits < 1:
-            raise ValueError(f"splits is {self.splits}, must be at least 1")
+        super().__post_init__()
+        if not self.data:
+            raise ValueError("data is empty, must be at least one file")
+        if len({path.resolve() for path in self.data}) < len(self.data):
+            raise ValueError(f"a file of data is given twice: {', '.join(map(str, self.data))}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,89 +105,19 @@ class TaskErrors:
         """(splits, methods, shares, measures) [m]"""
         return np.stack([split.errors.mean(axis=0) for split in self.splits])
 
-
-# -- the sets -------------------------------------------------------------------------------------------------------
-
-
-def handover_tasks(paths: Sequence[Path]) -> tuple[HandoverTask, ...]:
-    """What is judged of these files, whose contents tell which set they are: of kth_handover_6d positions and poses
-    without tracking faults and positions with them, of dynamic_handover_120 the giver's hands and her 15 joints.
-    DataError naming the file for any other."""
-    return tuple(task for path in paths for task in _TASKS[_set_of(path)](path))
+    @property
+    def spread(self) -> Array:
+        """(methods, shares, measures) [m] standard deviation of the splits' means; NaN of one split"""
+        means = self.split_means
+        return np.asarray(means.std(axis=0, ddof=1)) if len(means) > 1 else np.full(means.shape[1:], np.nan)
 
 
-def _set_of(path: Path) -> str:
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            names = set(archive.files)
-    except (
-        ValueError,
-        TypeError,
-        EOFError,
-        zipfile.BadZipFile,
-        AttributeError,
-        tokenize.TokenError,
-        SyntaxError,
-    ) as broken:
-        raise DataError(f"{path}: is no .npz file of handovers: {broken}") from broken
-    if {"giver", "receiver", "lengths"} <= names:
-        return "dynamic"
-    if names and all(name.startswith(("train_", "test_")) for name in names):
-        return "kth"
-    raise DataError(f"{path}: is neither kth_handover_6d nor dynamic_handover_120: it holds {sorted(names)[:5]}")
+@dataclass(frozen=True, eq=False)
+class HandoverResult:
+    """All tasks."""
 
-
-def _kth_tasks(path: Path) -> list[HandoverTask]:
-    everything = [every_nth(one, 4) for one in read_kth_handovers(path, with_faults=True)]
-    sound = [one for one in everything if one.name not in KTH_FAULTS]
-    return [
-        HandoverTask("KTH, positions", "baton and hand, positions alone", tuple(positions_of(one) for one in sound)),
-        HandoverTask("KTH, poses", "baton and hand with their orientations", tuple(sound)),
-        HandoverTask(
-            "KTH, positions, with faults",
-            f"as the first, with {len(everything) - len(sound)} recordings whose tracking failed",
-            tuple(positions_of(one) for one in everything),
-        ),
-    ]
-
-
-def _dynamic_tasks(path: Path) -> list[HandoverTask]:
-    hands, skeleton = read_dynamic_handovers(path), read_dynamic_handovers(path, partner="skeleton")
-    return [
-        HandoverTask("Dynamic, hands", "the giver's two hands; the taker's two hands", tuple(hands)),
-        HandoverTask("Dynamic, skeleton", "the giver's 15 joints; the taker's two hands", tuple(skeleton)),
-    ]
-
-
-_TASKS: dict[str, Callable[[Path], list[HandoverTask]]] = {"kth": _kth_tasks, "dynamic": _dynamic_tasks}
-
-
-def every_nth(one: InteractionRecording, n: int) -> InteractionRecording:
-    """Every n-th sample."""
-    return replace(one, stamp=one.stamp[::n], partner=one.partner[::n], robot=one.robot[::n])
-
-
-def positions_of(one: InteractionRecording) -> InteractionRecording:
-    """Without the columns of orientations."""
-    partner, robot = _positions(one.partner_names), _positions(one.robot_names)
-    return replace(
-        one,
-        partner=one.partner[:, partner],
-        robot=one.robot[:, robot],
-        partner_names=tuple(one.partner_names[k] for k in partner),
-        robot_names=tuple(one.robot_names[k] for k in robot),
-    )
-
-
-def _positions(names: Sequence[str]) -> list[int]:
-    return [k for k, name in enumerate(names) if name.rpartition(".")[2] in ("x", "y", "z")]
-
-
-def hand_columns(names: Sequence[str]) -> Indices:
-    """(hands, 3) where the hands' x, y and z are among the columns."""
-    return np.array(
-        [[names.index(f"{hand}.{axis}") for axis in "xyz"] for hand in HANDS if f"{hand}.x" in names]
-    ).reshape(-1, 3)
+    study: HandoverStudy
+    tasks: tuple[TaskErrors, ...]
 
 
 # -- the methods ----------------------------------------------------------------------------------------------------
@@ -235,12 +158,12 @@ def with_place(one: InteractionRecording) -> InteractionRecording:
 
 
 class NearestDemonstration:
-    """Foretells the taker's motion of the demonstration whose giver moved most alike in the seconds seen: the least RMS
+    """Predicts the taker's motion of the demonstration whose giver moved most alike in the seconds seen: the least RMS
     distance of all of the giver's positions, sample by sample from the start; a shorter one rests at its end."""
 
     def __init__(self, demonstrations: Sequence[InteractionRecording]) -> None:
         self._demonstrations = demonstrations
-        self._columns = _positions(demonstrations[0].partner_names)
+        self._columns = position_columns(demonstrations[0].partner_names)
 
     def index(self, partial: InteractionRecording) -> int:
         """Of the demonstration."""
@@ -273,7 +196,7 @@ class HandoverSplit:
     seed: int
 
     def parts(self) -> tuple[Indices, Indices]:
-        """Who teaches and who is tested; the same for tasks with as many recordings."""
+        """Which recordings are learned from and which are tested; the same for tasks with as many recordings."""
         n = len(self.task.recordings)
         order = np.random.default_rng([self.seed, self.split]).permutation(n)
         tested = max(1, round(TESTED * n))
@@ -334,12 +257,15 @@ def _factor(model: CollaborationModel) -> float:
     return float(NOISE.factors[int(np.argmin([error for _, error in rows]))])
 
 
-def run_handover_study(
-    study: HandoverStudy, tell: Callable[[str, int, int], None], processes: int | None = None
-) -> tuple[TaskErrors, ...]:
+def judge_handovers(study: HandoverStudy, tasks: Sequence[HandoverTask], tell: Progress = silent) -> HandoverResult:
     """Judges every task; the result does not depend on the number of processes."""
-    results = []
-    for task in study.tasks:
+    judged = []
+    for task in tasks:
         jobs = [HandoverSplit(task, k, study.seed) for k in range(study.splits)]
-        results.append(TaskErrors(task, run_jobs(jobs, partial(tell, task.name), processes)))
-    return tuple(results)
+        judged.append(TaskErrors(task, run_jobs(jobs, partial(tell, task.name), study.processes)))
+    return HandoverResult(study, tuple(judged))
+
+
+def run_handover_study(study: HandoverStudy, tell: Progress = silent) -> HandoverResult:
+    """Reads the files and judges. DataError as handover_tasks."""
+    return judge_handovers(study, handover_tasks(study.data), tell)

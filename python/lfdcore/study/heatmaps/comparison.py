@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +42,6 @@ from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import Surroundings
 from lfdcore.wheelchair.window import RESOLUTION, squashed
-
-if TYPE_CHECKING:
-    from lfdcore.training.heatmap_net import EpochLoss
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -103,21 +100,22 @@ def _loaded(files: ModelFiles) -> ComparedModels:
     return ComparedModels(DriveAssistantModel.load(files.primitives), naive, heatmaps)
 
 
-def learn_rivals(
-    folder: Path,
-    logs: Sequence[DriveLog],
-    progress: StageProgress | None = None,
-    on_epoch: Callable[[EpochLoss], None] | None = None,
-) -> tuple[Path, Path]:
-    """Learns primitives and the naive network from the demonstrations of heatmaps -> their files in `folder` (8 s and
-    2 minutes for the 72 maze runs). Needs torch."""
+def learn_rival_primitives(folder: Path, logs: Sequence[DriveLog], progress: StageProgress | None = None) -> Path:
+    """Learns primitives from the demonstrations of heatmaps -> their file in `folder` (8 s for the 72 maze runs)."""
+    tell = progress or (lambda stage, done, total: None)
+    path = folder / "primitives.safetensors"
+    learn_drive(first_share(logs), progress=partial(tell, "primitives")).save(path)
+    return path
+
+
+def learn_naive(folder: Path, logs: Sequence[DriveLog], progress: StageProgress | None = None) -> Path:
+    """Learns the naive network from the demonstrations of heatmaps -> its file in `folder` (2 minutes for the 72 maze
+    runs). Needs torch."""
     from lfdcore.training.drive_heatmaps import learn_naive_heatmap
 
-    primitives, naive = folder / "primitives.safetensors", folder / "naive.safetensors"
-    tell = progress or (lambda stage, done, total: None)
-    learn_drive(first_share(logs), progress=partial(tell, "primitives")).save(primitives)
-    learn_naive_heatmap(logs, progress=tell, on_epoch=on_epoch)[0].save(naive)
-    return primitives, naive
+    path = folder / "naive.safetensors"
+    learn_naive_heatmap(logs, progress=progress)[0].save(path)
+    return path
 
 
 class NaivePlanner(HeatmapPlanner):

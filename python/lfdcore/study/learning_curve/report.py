@@ -1,68 +1,25 @@
-"""The learning curve of study/learning_curve/study.py as a table, a plot and one report.html."""
+"""The report of study learning-curve: both methods by the number of runs, in the closed loop and a posteriori."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
-from lfdcore.pictures.course import arm_name
-from lfdcore.pictures.style import METHOD_COLOURS, PAGE, RULE, Picture, png, styled
-from lfdcore.study.learning_curve.study import METHODS, NOBODY, CurvePoint, LearningCurve
+from lfdcore.pictures.style import Picture
+from lfdcore.study.learning_curve.closed_loop import closed_loop_rows
+from lfdcore.study.learning_curve.curve import CurvePoint, LearningCurve
+from lfdcore.study.learning_curve.models import learn_curve_models
+from lfdcore.study.learning_curve.pictures import curve_figure, method_name
+from lfdcore.study.learning_curve.predictions import prediction_rows
+from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
 from lfdcore.study.prediction.study import STRAIGHT
-from lfdcore.study.report.page import Section, write_figures, write_report
+from lfdcore.study.report.cells import count_cell, share_cell, summary_cell
+from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import Summary
-from lfdcore.study.report.table import Table
+from lfdcore.study.report.table import Row, Table
+from lfdcore.study.study import Findings, Progress, silent
 
-Estimate = tuple[float, float, float]
-"""figure, and its 95 % interval"""
-
-MARKS = {"primitives": "o", "heatmaps": "s"}
 TITLE = "How much demonstration is enough"
-_APART = 1.03  # the methods stand side by side
-
-
-def _of_summary(s: Summary) -> Estimate:
-    return s.mean, max(s.low, 0.0), s.high
-
-
-PANELS: tuple[tuple[str, Callable[[CurvePoint], Estimate]], ...] = (
-    ("contacts a run", lambda p: p.contact_rate),
-    ("share completed", lambda p: p.completion),
-    ("path RMSE [m]", lambda p: _of_summary(p.path_rmse)),
-    ("angular jerk / unassisted", lambda p: _of_summary(p.jerk_ratio)),
-    ("error of the path\npredicted to 2.5 m [m]", lambda p: _of_summary(p.path_error)),
-)
-
-
-def _cell(estimate: Estimate, digits: int) -> str:
-    value, low, high = estimate
-    if np.isnan(value):
-        return "-"
-    if np.isnan(low):
-        return f"{value:.{digits}f}"
-    return f"{value:.{digits}f}\n[{low:.{digits}f}, {high:.{digits}f}]"
-
-
-def _row(point: CurvePoint) -> tuple[str, ...]:
-    arrived, n = point.completed
-    share, low, high = (100 * value for value in point.completion)
-    _, rate_low, rate_high = point.contact_rate
-    alone = point.method == NOBODY
-    jerk, time = (_cell(_of_summary(ratio), 2) for ratio in (point.jerk_ratio, point.time_ratio))
-    return (
-        arm_name(point.method).removesuffix(" (learned)"),
-        "-" if alone else str(point.demonstrations),
-        f"{arrived} of {n}\n{share:.0f} % [{low:.0f}, {high:.0f}]",
-        f"{point.contacts} in {n}\n[{rate_low:.2f}, {rate_high:.2f}]",
-        _cell(_of_summary(point.path_rmse), 3),
-        "1" if alone else jerk,
-        "1" if alone else time,
-        _cell(_of_summary(point.path_error), 3),
-    )
 
 
 def origin(curve: LearningCurve) -> str:
@@ -76,6 +33,27 @@ def origin(curve: LearningCurve) -> str:
         f"{first + 600}..{first + 599 + study.drivers}. Predicted paths: {study.predicted} runs of simulated able "
         f"drivers there, seeds {first + 500}..{first + 499 + study.predicted}, {samples} scans."
     )
+
+
+def curve_headline(curve: LearningCurve) -> str:
+    """Predicted paths and arrivals with the fewest and with the most demonstrations, n and seeds."""
+    alone, *points = curve.points()
+    ends = [[p for p in points if p.method == method][:: max(len(curve.study.runs) - 1, 1)] for method in METHODS]
+    (name, baseline), runs = curve.baseline(), " and ".join(str(p.demonstrations) for p in ends[0])
+    errors, arrived = (", ".join(map(words, ends)) for words in (_errors, _arrived))
+    return (
+        f"With {runs} runs demonstrated, paths are predicted with a mean error of {errors} ({name}: "
+        f"{baseline.mean:.3f} m). Of {curve.study.drivers} impaired drivers arrive {arrived}, {alone.completed[0]} "
+        f"unassisted. {origin(curve)}"
+    )
+
+
+def _errors(points: Sequence[CurvePoint]) -> str:
+    return " and ".join(f"{p.path_error.mean:.3f}" for p in points) + f" m by {method_name(points[0].method)}"
+
+
+def _arrived(points: Sequence[CurvePoint]) -> str:
+    return " and ".join(str(p.completed[0]) for p in points) + f" with {method_name(points[0].method)}"
 
 
 def curve_table(curve: LearningCurve) -> Table:
@@ -93,69 +71,55 @@ def curve_table(curve: LearningCurve) -> Table:
     note = (
         f"{origin(curve)} In brackets 95 % intervals: of the share Wilson's, of contacts a run Garwood's (Poisson), of "
         "means over drivers and runs Student's. Ratios: means over the drivers who arrived with and without. One "
-        "training for each n: the intervals know nothing of what other runs or another start of the network would "
-        "have taught."
+        "training for each n: the intervals do not cover what other runs or another start of the network would have "
+        "given."
     )
     name, error = curve.baseline()
-    baseline = (f"{name}\n(baseline)", *["-"] * 6, _cell(_of_summary(error), 3))
+    baseline = (f"{name}\n(baseline)", *["-"] * 6, _mean(error, 3))
     return Table(TITLE, header, (*map(_row, curve.points()), baseline), note)
 
 
-def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoint], Estimate]) -> None:
-    for method, shift in zip(METHODS, (1 / _APART, _APART), strict=True):
-        mine = [point for point in points if point.method == method]
-        value, low, high = np.array([estimate(point) for point in mine]).T
-        at = np.array([point.demonstrations for point in mine]) * shift
-        axes.errorbar(
-            at,
-            value,
-            [np.nan_to_num(value - low), np.nan_to_num(high - value)],
-            color=METHOD_COLOURS[method],
-            marker=MARKS[method],
-            ms=4,
-            lw=1.3,
-            elinewidth=0.9,
-            capsize=2.5,
-            clip_on=False,
-            label=arm_name(method).removesuffix(" (learned)"),
-        )
-    alone = estimate(next(point for point in points if point.method == NOBODY))
-    if np.isfinite(alone[0]):
-        axes.axhline(alone[0], color=METHOD_COLOURS[NOBODY], lw=1.0, ls="--", label="unassisted")
+def _row(point: CurvePoint) -> Row:
+    alone = point.method == NOBODY
+    return (
+        method_name(point.method),
+        "-" if alone else str(point.demonstrations),
+        share_cell(*point.completed),
+        count_cell(point.contacts, point.completed[1]),
+        _mean(point.path_rmse, 3),
+        "1" if alone else _mean(point.jerk_ratio, 2),
+        "1" if alone else _mean(point.time_ratio, 2),
+        _mean(point.path_error, 3),
+    )
 
 
-@styled
-def curve_figure(curve: LearningCurve) -> Figure:
-    """Contacts, completion, path RMSE, jerk and predicted path over the number of runs, with 95 % intervals."""
-    figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
-    points = curve.points()
-    panels = figure.subplots(1, len(PANELS))
-    baseline, error = curve.baseline()
-    line = panels[-1].axhline(error.mean, color=METHOD_COLOURS[NOBODY], lw=1.0, ls=":")
-    for axes, (label, estimate) in zip(panels, PANELS, strict=True):
-        _draw(axes, points, estimate)
-        axes.set_xscale("log")
-        axes.set_xticks(curve.study.runs, [str(n) for n in curve.study.runs])
-        axes.minorticks_off()
-        axes.set(xlabel="runs demonstrated", title=label)
-        axes.set_ylim(bottom=0)
-        axes.grid(axis="y", lw=0.4, color=RULE)
-        axes.spines[["top", "right"]].set_visible(False)
-    handles, names = panels[0].get_legend_handles_labels()
-    handles, names = [*handles, line], [*names, f"{baseline} (last panel)"]
-    figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False)
-    return figure
+def _mean(s: Summary, digits: int) -> str:
+    return summary_cell(s, digits, with_sd=False, least=0.0)
 
 
-def write_learning_curve(curve: LearningCurve, folder: Path, command: str = "") -> Path:
-    """learning-curve.png, figures.json and report.html in `folder` -> the report's path."""
-    figure = curve_figure(curve)
-    (folder / "learning-curve.png").write_bytes(png(figure))
-    write_figures(folder / "figures.json", [*curve.rows, *curve.errors])
+def findings(curve: LearningCurve) -> Findings:
+    """Everything that is shown."""
     text = (
         "Models of the first n of 72 runs in two mazes, in a home like neither. All is simulated: drivers, chair, "
         "courses. Bars: 95 % intervals. Dashed: unassisted; dotted: the better of straight on and a constant arc."
     )
-    section = Section(TITLE, text, [curve_table(curve)], [Picture(figure, f"{text} {origin(curve)}")])
-    made = f"Made by `{command}`" if command else ""
-    return write_report(folder / "report.html", TITLE, [section], origin=made)
+    picture = Picture(curve_figure(curve), f"{text} {origin(curve)}", "learning-curve.png")
+    return Findings(
+        headline=curve_headline(curve),
+        sections=[Section(TITLE, text, [curve_table(curve)], [picture])],
+        rows=[*curve.rows, *curve.errors],
+        keys=("demonstrations", "assistant", "method", "seed"),
+    )
+
+
+def run_learning_curve(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> LearningCurve:
+    """Learns what is not in `folder` yet (needs torch), drives and predicts; the result does not depend on the number
+    of processes."""
+    learn_curve_models(study, folder, tell)
+    rows = closed_loop_rows(study, folder, tell)
+    return LearningCurve(study, tuple(rows), tuple(prediction_rows(study, folder, tell)))
+
+
+def run(study: LearningCurveStudy, folder: Path, tell: Progress) -> Findings:
+    """lfdcore study learning-curve. Models and logs stay in `folder`."""
+    return findings(run_learning_curve(study, folder, tell))

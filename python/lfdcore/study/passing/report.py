@@ -21,7 +21,7 @@ from lfdcore.study.passing.study import (
     PassingStudy,
     run_passing_study,
 )
-from lfdcore.study.report.aims import Aim
+from lfdcore.study.report.aims import Aim, reached_of
 from lfdcore.study.report.cells import mean_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import block_bootstrap_ratio, summarise, summarise_bounded
@@ -221,12 +221,10 @@ def passing_tables(result: PassingResult) -> list[Table]:
 def passing_headline(result: PassingResult) -> str:
     """The result in two sentences."""
     ip, eaip = (result.by_seed(result.distance, arm, BOTH, "novel")[:, 0].mean() for arm in ("IP", "EaIP"))
-    found = claims(result)
-    missed = "".join(f"; MISSED: {one.label}" for one in found if not one.reached)
     return (
         f"Novel rectangles, nothing of the partner seen: DTW distance to demonstrations EaIP {eaip:.1f}, IP {ip:.1f} "
         f"px per sample (two demonstrations: {result.floor_by_seed('novel').mean():.1f}); {_origin(result)}. "
-        f"Figures to reach: {sum(one.reached for one in found)} of {len(found)} reached{missed}."
+        f"{reached_of(claims(result))}"
     )
 
 

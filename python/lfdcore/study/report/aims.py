@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from typing import Any, Self
 
 from lfdcore.study.report.cells import figure_cell
+from lfdcore.study.report.table import Table
 
 
 @dataclass(frozen=True)
@@ -51,3 +53,14 @@ class Aim:
         """For machines."""
         figure = {"figure": self.label, "wanted": self.wanted, "found": self.found}
         return figure | {"low": self.low, "high": self.high, "reached": self.reached, "note": self.note}
+
+
+def reached_of(aims: Sequence[Aim]) -> str:
+    """How many were reached, and the names of those that were not, as a sentence."""
+    missed = "".join(f"; MISSED: {aim.label}" for aim in aims if not aim.reached)
+    return f"Figures to reach: {sum(aim.reached for aim in aims)} of {len(aims)} reached{missed}."
+
+
+def aims_table(title: str, aims: Sequence[Aim]) -> Table:
+    """A row an aim."""
+    return Table(title, ("", "wanted", "found"), tuple((aim.label, aim.wanted, aim.as_text()) for aim in aims))

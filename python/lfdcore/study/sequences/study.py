@@ -1,9 +1,9 @@
 """Which task has the partner begun (Sec. 6.2.2)? The HMM over primitives on three handwriting shapes at a time.
 
-A shape is a task: five of its seven demonstrations teach, two are held out. Each begins in the origin, so that nothing
-but the motion tells shapes apart; a sample is a position and its difference from the one before. A fourth shape, which
-nobody taught, is to be refused; and after the whole of one shape, the way back and a part of another, the filter is to
-name the other.
+A shape is a task. The filter learns from five of its seven demonstrations; two are held out. Each begins in the origin,
+so that only the motion tells shapes apart; a sample is a position and its difference from the one before. A fourth
+shape, of which nothing was learned, is to be refused. After the whole of one shape, the way back and a part of another,
+the filter is to name the other.
 
 SequenceConfig's defaults were chosen on the triples of `tuned_on`. None of those is drawn here, but their 15 shapes are
 the same: only combinations and splits are new.
@@ -13,21 +13,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
+from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.datasets.lasa import Handwriting
+from lfdcore.datasets.lasa import Handwriting, read_all_handwriting
 from lfdcore.primitives import SequenceHmm
 from lfdcore.study.jobs import run_jobs
+from lfdcore.study.report.statistics import block_bootstrap
+from lfdcore.study.study import Option, Progress, Study, silent
 
 Array = NDArray[np.float64]
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 """of a motion that are seen"""
+QUESTIONS = {
+    "tasks": "names the task",
+    "foreign": "refuses a foreign task",
+    "switches": "names the second task",
+}
 TASKS = 3
-TAUGHT = 5
-"""demonstrations of each shape"""
+LEARNED = 5
+"""demonstrations of each shape to learn from"""
 STRIDE = 10
 """every so many recorded samples are seen"""
 BACK = 40
@@ -36,23 +46,14 @@ NONE = -1
 
 
 @dataclass(frozen=True, kw_only=True)
-class SequenceStudy:
-    """`draws` draws of three shapes, a fourth and a split of the demonstrations."""
+class SequenceStudy(Study):
+    """Three handwriting shapes as tasks: which has begun, foreign ones, switches, by share observed."""
 
-    shapes: tuple[Handwriting, ...]
-    draws: int = 40
-    seed: int = 1
+    name = "sequences"
+    title = "sequences of tasks"
 
-    def __post_init__(self) -> None:
-        if len(self.shapes) <= TASKS:
-            raise ValueError(f"there are {len(self.shapes)} shapes, must be more than {TASKS}")
-        for shape in self.shapes:
-            if len(shape.positions) <= TAUGHT:
-                raise ValueError(
-                    f"{shape.name} has {len(shape.positions)} demonstrations, must have more than {TAUGHT}"
-                )
-        if self.draws < 1:
-            raise ValueError(f"draws is {self.draws}, must be at least 1")
+    data: Annotated[Path, Option("Folder with the LASA handwriting shapes (.mat).", flag="argument")]
+    draws: Annotated[int, Option("Draws of three shapes.", minimum=1)] = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ class DrawAnswers:
     tasks: NDArray[np.int_]
     """(motions,) the right answers"""
     foreign: NDArray[np.int_]
-    """(motions, shares) of a task that nobody taught: right is NONE"""
+    """(motions, shares) of a task of which nothing was learned: right is NONE"""
     after: NDArray[np.int_]
     """(switches, shares) by share of a second task"""
     second: NDArray[np.int_]
@@ -81,12 +82,12 @@ class Draw:
     """of three tasks and a foreign one, each all its demonstrations (T, 4)"""
     names: tuple[str, ...]
     order: NDArray[np.int_]
-    """of the demonstrations: the first TAUGHT teach"""
+    """of the demonstrations: the first LEARNED are learned from"""
 
     def run(self) -> DrawAnswers:
         """Learns and asks."""
-        taught, held_out = self.order[:TAUGHT], self.order[TAUGHT:]
-        hmm = SequenceHmm.fit([[one[k] for k in taught] for one in self.motions[:TASKS]])
+        learned, held_out = self.order[:LEARNED], self.order[LEARNED:]
+        hmm = SequenceHmm.fit([[one[k] for k in learned] for one in self.motions[:TASKS]])
         cases = list(product(range(TASKS), held_out))
         said = [answers(hmm, self.motions[task][k]) for task, k in cases]
         foreign = [answers(hmm, self.motions[TASKS][k]) for k in held_out]
@@ -139,26 +140,29 @@ def tuned_on(shapes: int) -> set[frozenset[int]]:
     return triples
 
 
-def draws_of(study: SequenceStudy) -> list[Draw]:
-    """Triples that were not tuned on (unless all were), each with a foreign shape and a split."""
-    random, used = np.random.default_rng([study.seed, 5]), tuned_on(len(study.shapes))
-    if len(study.shapes) < 10:  # too few for others
+def draws_of(study: SequenceStudy, shapes: Sequence[Handwriting]) -> list[Draw]:
+    """Triples that were not tuned on (unless all were), each with a foreign shape and a split. ValueError for too few
+    shapes or demonstrations of one."""
+    _require_enough(shapes)
+    random, used = np.random.default_rng([study.seed, 5]), tuned_on(len(shapes))
+    if len(shapes) < 10:  # too few for others
         used = set()
-    motions = [tuple(samples(one) for one in shape.positions) for shape in study.shapes]
+    motions = [tuple(samples(one) for one in shape.positions) for shape in shapes]
     made: list[Draw] = []
     while len(made) < study.draws:
         chosen = random.choice(len(motions), TASKS + 1, replace=False).tolist()
         order = random.permutation(min(len(motions[k]) for k in chosen))
         if frozenset(chosen[:TASKS]) not in used:
-            made.append(Draw(tuple(motions[k] for k in chosen), tuple(study.shapes[k].name for k in chosen), order))
+            made.append(Draw(tuple(motions[k] for k in chosen), tuple(shapes[k].name for k in chosen), order))
     return made
 
 
-def run_sequence_study(
-    study: SequenceStudy, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> tuple[DrawAnswers, ...]:
-    """Asks the filter in every draw; the result does not depend on the number of processes."""
-    return run_jobs(draws_of(study), progress, processes)
+def _require_enough(shapes: Sequence[Handwriting]) -> None:
+    if len(shapes) <= TASKS:
+        raise ValueError(f"there are {len(shapes)} shapes, must be more than {TASKS}")
+    for shape in shapes:
+        if len(shape.positions) <= LEARNED:
+            raise ValueError(f"{shape.name} has {len(shape.positions)} demonstrations, must have more than {LEARNED}")
 
 
 _RIGHT: dict[str, Callable[[DrawAnswers], NDArray[np.bool_]]] = {
@@ -169,6 +173,37 @@ _RIGHT: dict[str, Callable[[DrawAnswers], NDArray[np.bool_]]] = {
 
 
 def right(results: Sequence[DrawAnswers], what: str) -> tuple[Array, NDArray[np.int_]]:
-    """Right answers (n, shares), 1 or 0, and the draw (n,) of each. what: 'tasks', 'foreign' or 'switches'."""
+    """Right answers (n, shares), 1 or 0, and the draw (n,) of each, to one of QUESTIONS."""
     each = [np.asarray(_RIGHT[what](one), np.float64) for one in results]
     return np.concatenate(each), np.repeat(np.arange(len(each)), [len(one) for one in each])
+
+
+@dataclass(frozen=True, eq=False)
+class SequenceResult:
+    """All draws."""
+
+    study: SequenceStudy
+    shapes: int
+    """how many were drawn from"""
+    draws: tuple[DrawAnswers, ...]
+
+    def count(self, what: str) -> int:
+        """Answers to one of QUESTIONS."""
+        return len(right(self.draws, what)[0])
+
+    def right(self, what: str) -> tuple[Array, Array, Array]:
+        """Of the answers to one of QUESTIONS the share (shares,) that is right, and its 95 % interval (low, high) by a
+        bootstrap of whole draws."""
+        values, draws = right(self.draws, what)
+        return values.mean(axis=0), *block_bootstrap(values, draws, self.study.seed)
+
+
+def ask_in_draws(study: SequenceStudy, shapes: Sequence[Handwriting], tell: Progress = silent) -> SequenceResult:
+    """Asks the filter in every draw of these shapes; the result does not depend on the number of processes."""
+    draws = run_jobs(draws_of(study, shapes), partial(tell, "draws"), study.processes)
+    return SequenceResult(study, len(shapes), draws)
+
+
+def run_sequence_study(study: SequenceStudy, tell: Progress = silent) -> SequenceResult:
+    """Reads the shapes and asks. DataError as read_all_handwriting, ValueError as draws_of."""
+    return ask_in_draws(study, read_all_handwriting(study.data), tell)

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "fields.hpp"
 #include "lfdcore/primitives/dmp.hpp"
 #include "observed.hpp"
 
@@ -28,28 +29,12 @@ auto locked(const SharedStepper& self) {
 }
 
 void bind_config(py::module_& m) {
-  const DmpConfig defaults;
-  const auto made = [](int basis_functions, double stiffness, double damping, double phase_decay) {
-    const DmpConfig config{basis_functions, stiffness, damping, phase_decay};
-    validate(config);
-    return config;
-  };
-  py::class_<DmpConfig>(m, "DmpConfig",
-                        "The constants of 5.1 and 5.2 (ERRATA F13): basis_functions M, stiffness alpha_y, damping "
-                        "beta_y (critical at alpha_y / 4), phase_decay alpha_x. ValueError unless 2 <= M <= 1000, 0 < "
-                        "alpha_y, beta_y <= 1e4, 0 < alpha_x <= 100.")
-      .def(py::init(made), py::kw_only(), py::arg("basis_functions") = defaults.basis_functions,
-           py::arg("stiffness") = defaults.stiffness, py::arg("damping") = defaults.damping,
-           py::arg("phase_decay") = defaults.phase_decay)
-      .def_readonly("basis_functions", &DmpConfig::basis_functions)
-      .def_readonly("stiffness", &DmpConfig::stiffness)
-      .def_readonly("damping", &DmpConfig::damping)
-      .def_readonly("phase_decay", &DmpConfig::phase_decay)
-      .def(py::pickle(
-          [](const DmpConfig& c) { return py::make_tuple(c.basis_functions, c.stiffness, c.damping, c.phase_decay); },
-          [made](const py::tuple& t) {
-            return made(t[0].cast<int>(), t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>());
-          }));
+  bind_settings(m, "DmpConfig",
+                "The constants of 5.1 and 5.2 (ERRATA F13): basis_functions M, stiffness alpha_y, damping "
+                "beta_y (critical at alpha_y / 4), phase_decay alpha_x. ValueError unless 2 <= M <= 1000, 0 < "
+                "alpha_y, beta_y <= 1e4, 0 < alpha_x <= 100.",
+                Field("basis_functions", &DmpConfig::basis_functions), Field("stiffness", &DmpConfig::stiffness),
+                Field("damping", &DmpConfig::damping), Field("phase_decay", &DmpConfig::phase_decay));
   m.def("phases", &phases, py::arg("steps"), py::arg("config") = DmpConfig{},
         "Phases (steps,) of samples evenly spread over a demonstration: exp(-alpha_x k / (steps - 1)). ValueError "
         "unless 2 <= steps <= 1e6.");

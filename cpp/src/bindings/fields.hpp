@@ -1,0 +1,87 @@
+// Structs whose fields are listed once: what Python's constructor, attributes and pickle know of them.
+#pragma once
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "common.hpp"
+#include "lfdcore/error.hpp"
+
+namespace lfdcore {
+
+/// A member by its name in Python; the docstring is its attribute's.
+template <class Struct, class Value>
+struct Field {
+  Field(const char* python_name, Value Struct::* pointer, const char* docstring = nullptr)
+      : name(python_name), member(pointer), doc(docstring) {}
+
+  const char* name;
+  Value Struct::* member;
+  const char* doc;
+};
+
+/// What Python sees of a value: the value itself, unless this is specialised for its type.
+template <class Value>
+struct Seen {
+  using Type = Value;
+  static const Value& to_python(const Value& value) { return value; }
+  static Value from_python(const char*, Value value) { return value; }
+};
+
+template <class Struct>
+void require_exactly(std::initializer_list<const char*> names, const py::dict& state) {
+  const auto type = py::type::of<Struct>().attr("__name__").template cast<std::string>();
+  for (const auto& item : state) {
+    const auto given = py::str(item.first).cast<std::string>();
+    require(std::find(names.begin(), names.end(), given) != names.end(), type + " has no field '" + given + "'");
+  }
+  for (const char* name : names) require(state.contains(name), type + "'s field '" + name + "' is missing");
+}
+
+/// Pickles as {name: value}, so that a field that was added or moved is never taken for another. Unpickling raises
+/// ValueError for an unknown or missing name and for what validate() refuses.
+template <class Struct, class... Values>
+auto pickled_by_name(Field<Struct, Values>... fields) {
+  return py::pickle(
+      [fields...](const Struct& self) {
+        py::dict state;
+        ((state[fields.name] = Seen<Values>::to_python(self.*fields.member)), ...);
+        return state;
+      },
+      [fields...](const py::dict& state) {
+        require_exactly<Struct>({fields.name...}, state);
+        Struct made{};
+        ((made.*fields.member =
+              Seen<Values>::from_python(fields.name, state[fields.name].template cast<typename Seen<Values>::Type>())),
+         ...);
+        validate(made);
+        return made;
+      });
+}
+
+/// Binds a struct of settings: keywords with the struct's own defaults, checked by validate(); attributes that cannot
+/// be set; pickle by name.
+template <class Struct, class... Values>
+void bind_settings(py::module_& m, const char* name, const char* doc, Field<Struct, Values>... fields) {
+  const Struct defaults{};
+  py::class_<Struct> type(m, name, doc);
+  type.def(py::init([fields...](typename Seen<Values>::Type... values) {
+             Struct made{};
+             ((made.*fields.member = Seen<Values>::from_python(fields.name, std::move(values))), ...);
+             validate(made);
+             return made;
+           }),
+           py::kw_only(), (py::arg(fields.name) = Seen<Values>::to_python(defaults.*fields.member))...);
+  const auto bind_attribute = [&type](auto field) {
+    using Value = std::remove_cvref_t<decltype(std::declval<Struct>().*field.member)>;
+    const auto get = [field](const Struct& self) ->
+        typename Seen<Value>::Type { return Seen<Value>::to_python(self.*field.member); };
+    type.def_property_readonly(field.name, get, field.doc);
+  };
+  (bind_attribute(fields), ...);
+  type.def(pickled_by_name(fields...));
+}
+
+}  // namespace lfdcore

@@ -1,0 +1,59 @@
+"""The closed loop of study learning-curve: impaired drivers in a home never seen, with every model and unassisted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from lfdcore.simulated.courses import home_20x19
+from lfdcore.simulated.drivers import population
+from lfdcore.simulated.run import Job
+from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.arms import StudyModels, impaired_driver, make_assistant
+from lfdcore.study.driving.plan import metric_rows
+from lfdcore.study.jobs import run_jobs
+from lfdcore.study.learning_curve.models import model_files
+from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
+from lfdcore.study.study import Progress, silent
+from lfdcore.wheelchair.assistants import DriveAssistant
+
+_SEEDS, _FIRST_WAY = 1000, 600
+"""Way and noise of driver k are of seed 1000 `seed` + 600 + k, which no demonstration and no other run has."""
+
+
+def closed_loop_rows(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> list[dict[str, Any]]:
+    """Drives with models that have been learned -> a row a run: demonstrations (0: unassisted), and what metric_rows
+    has."""
+    groups = [(0, NOBODY, StudyModels())]
+    groups += [(n, method, model_files(study, folder, n)) for n in study.runs for method in METHODS]
+    jobs = [job for _, method, models in groups for job in drives_of(study, method, models)]
+    traces = run_jobs(jobs, partial(tell, "drive a home never seen"), study.processes)
+    rows = []
+    for g, (n, method, models) in enumerate(groups):
+        of_group = traces[g * study.drivers : (g + 1) * study.drivers]
+        rows += [{"demonstrations": n, **row} for row in _judged(study, method, models, of_group)]
+    return rows
+
+
+def drives_of(study: LearningCurveStudy, method: str, models: StudyModels) -> list[Job]:
+    """A job a driver, the same ways and noise for every method and model."""
+    first = _SEEDS * study.seed + _FIRST_WAY
+    return [
+        Job(
+            home_20x19(first + k),
+            partial(impaired_driver, config),
+            partial(make_assistant, method, models, study.run),
+            first + k,
+            study.run,
+        )
+        for k, config in enumerate(population(study.drivers, study.seed))
+    ]
+
+
+def _judged(
+    study: LearningCurveStudy, method: str, models: StudyModels, traces: Sequence[DriveTrace]
+) -> list[dict[str, Any]]:
+    assistant = make_assistant(method, models, study.run)
+    return metric_rows(traces, {method: assistant.planner} if isinstance(assistant, DriveAssistant) else {})
