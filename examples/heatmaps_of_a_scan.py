@@ -37,7 +37,7 @@ heatmaps = {"seen free": free, "sensor": sensor, "user": user, "product": sensor
 figure = Figure(figsize=(11, 3.2), layout="compressed")
 for axes, (name, heat) in zip(figure.subplots(1, 4, sharey=True), heatmaps.items(), strict=True):
     draw_window(axes, heat.astype(float))
-    draw_stick(axes, now.joystick, "white")
+    draw_stick(axes, now.joystick)
     front_axes(axes, -WINDOW, WINDOW)
     axes.set_title(name)
     axes.label_outer()

@@ -12,13 +12,14 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from lfdcore.datasets.goals import Goals
 from lfdcore.grid import OccupancyGrid
 from lfdcore.pictures.course import Limits, draw_grid
-from lfdcore.pictures.goals import goal_colour, square_around
-from lfdcore.pictures.style import PAGE, STYLE, styled
+from lfdcore.pictures.goals import square_around
+from lfdcore.pictures.style import CONFUSION, FAINT, PAGE, STYLE, series_colour, styled
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import BeliefTrack
 
@@ -41,8 +42,9 @@ def ellipse_of(mean: Floats, covariance: Floats, colour: str) -> Ellipse:
 
 def _draw_goals(axes: Axes, goals: Goals) -> None:
     for k, goal in enumerate(goals.goals):
-        axes.plot(goal.x, goal.y, "*", color=goal_colour(k), ms=12, mec="black", mew=0.6, zorder=5)
-        axes.annotate(goal.name, (goal.x, goal.y), (6, 5), textcoords="offset points", fontsize=8, zorder=6)
+        axes.plot(goal.x, goal.y, "*", color=series_colour(k), ms=12, mec="black", mew=0.6, zorder=5)
+        name = axes.annotate(goal.name, (goal.x, goal.y), (6, 5), textcoords="offset points", fontsize=8, zorder=6)
+        name.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
 
 
 def _draw_belief(axes: Axes, track: Track, at: int, colour: str) -> None:
@@ -88,7 +90,7 @@ def belief_figure(
         _draw_goals(axes, goals)
         for track in tracks:
             at = min(int(np.searchsorted(track[0].stamp, instant)), len(track[0]) - 1)
-            _draw_belief(axes, track, at, goal_colour(int(track[0].goal[0])))
+            _draw_belief(axes, track, at, series_colour(int(track[0].goal[0])))
         axes.set_title(f"{instant:g} s")
     return figure
 
@@ -105,7 +107,7 @@ def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
         at = min(int(np.searchsorted(samples.stamp, share * samples.stamp[-1])), len(samples) - 1)
         _map_axes(axes, grid, _points(goals, [track]))
         _draw_goals(axes, goals)
-        _draw_belief(axes, track, at, goal_colour(int(beliefs.nearest[at])))
+        _draw_belief(axes, track, at, series_colour(int(beliefs.nearest[at])))
         axes.set_title(f"{samples.stamp[at]:.0f} s: {goals.names[beliefs.nearest[at]]}")
         if quarter:
             axes.set(ylabel="", yticklabels=[])
@@ -113,18 +115,18 @@ def drive_figure(grid: OccupancyGrid, goals: Goals, track: Track) -> Figure:
     _draw_likelihoods(axes, samples.stamp, beliefs.likelihood, beliefs.nearest)
     axes.set(xlabel="time [s]", ylabel="likelihood")
     for k, name in enumerate(goals.names):
-        axes.plot([], [], color=goal_colour(k), lw=2.2, label=name)
+        axes.plot([], [], color=series_colour(k), lw=2.2, label=name)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     return figure
 
 
 def _draw_likelihoods(axes: Axes, stamp: Floats, likelihood: Floats, likeliest: NDArray[np.int64]) -> None:
     for k in range(likelihood.shape[1]):
-        axes.plot(stamp, likelihood[:, k], color="#b9bec6", lw=0.9, zorder=1)
+        axes.plot(stamp, likelihood[:, k], color=FAINT, lw=0.9, zorder=1)
         mine = likeliest == k
         if mine.any():
             shown = np.where(mine, likelihood[:, k], np.nan)
-            axes.plot(stamp, shown, color=goal_colour(k), lw=2.2, zorder=2)
+            axes.plot(stamp, shown, color=series_colour(k), lw=2.2, zorder=2)
     axes.set(ylim=(-0.03, 1.03), xlim=(0, max(float(stamp[-1]), 0.1)))
     axes.tick_params(length=2.5, width=0.6)
 
@@ -146,13 +148,13 @@ def likelihood_figure(
                 axes.plot(instant, -0.03, "|", color="black", ms=9, clip_on=False, zorder=5)
         goal = int(samples.goal[0])
         name = goals.names[goal] if goal >= 0 else "?"
-        axes.set_title(f"drive to {name}", color=goal_colour(goal) if goal >= 0 else "black")
+        axes.set_title(f"drive to {name}", color=series_colour(goal) if goal >= 0 else "black")
         axes.set_xlabel("time [s]")
     for axes in list(panels.flat)[len(drives) :]:
         axes.set_visible(False)
     for row in panels:
         row[0].set_ylabel(what)
-    handles = [figure.axes[0].plot([], [], color=goal_colour(k), lw=2.2)[0] for k in range(len(goals))]
+    handles = [figure.axes[0].plot([], [], color=series_colour(k), lw=2.2)[0] for k in range(len(goals))]
     figure.legend(handles, goals.names, loc="outside upper center", ncols=len(goals), frameon=False)
     return figure
 
@@ -163,7 +165,7 @@ def confusion_figure(goals: Goals, tables: Mapping[str, NDArray[np.int64]]) -> F
     figure = Figure(figsize=(PAGE * len(tables) / 2.4, 4.4), layout="compressed")
     for axes, (method, table) in zip(figure.subplots(1, len(tables), squeeze=False).flat, tables.items(), strict=True):
         share = table / np.maximum(table.sum(axis=1, keepdims=True), 1)
-        axes.imshow(share, cmap="Blues", vmin=0, vmax=1)
+        axes.imshow(share, cmap=CONFUSION, vmin=0, vmax=1)
         for (i, k), value in np.ndenumerate(share):
             ink = "white" if value > 0.55 else "black"
             axes.text(k, i, f"{100 * value:.0f} %\n{table[i, k]}", ha="center", va="center", color=ink, fontsize=7.5)
@@ -191,7 +193,7 @@ def save_belief_animation(path: Path, grid: OccupancyGrid, goals: Goals, track: 
             for artist in [a for a in left.get_children() if a not in fixed]:
                 artist.remove()
             at = int(frames[frame])
-            _draw_belief(left, track, at, goal_colour(int(beliefs.nearest[at])))
+            _draw_belief(left, track, at, series_colour(int(beliefs.nearest[at])))
             left.set(xlim=limits[0], ylim=limits[1], title=f"{samples.stamp[at]:.1f} s")
             right.clear()
             _draw_likelihoods(right, samples.stamp[: at + 1], beliefs.likelihood[: at + 1], beliefs.nearest[: at + 1])

@@ -20,7 +20,22 @@ from numpy.typing import NDArray
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
-from lfdcore.pictures.style import PAGE, line_handle, styled
+from lfdcore.pictures.style import (
+    BODY,
+    CONTACT,
+    DISCARDED,
+    DRIVEN,
+    FOLLOWED,
+    FREE,
+    PAGE,
+    PLANNED,
+    UNKNOWN,
+    WALL,
+    WAY,
+    line_handle,
+    styled,
+    translucent,
+)
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.trace import DriveTrace
 
@@ -28,11 +43,6 @@ Array = NDArray[np.float64]
 Limits = tuple[float, float, float, float]
 """x0, x1, y0, y1 [m]"""
 
-WALL, UNKNOWN, FREE = "#3b3f46", "#d3d7dd", "#ffffff"
-BODY, WAY = "#9aa1ab", "#4a5058"
-FOLLOWED, DISCARDED = "#1a9850", "#f0623d"
-DWA_GOAL, DWA_POINT = "#f39c12", "#2563c9"
-CONTACT, DEMONSTRATION = "#c1121f", "#c1121f"
 ARM_NAMES = {
     "none": "unassisted",
     "dwa": "DWA",
@@ -62,8 +72,9 @@ def label_metres(axes: Axes) -> None:
 
 
 def draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    """Walls dark, unknown grey, in metres of the grid's frame."""
-    shade = np.ones((grid.height, grid.width, 3))
+    """Walls dark, unknown and what lies beyond the map grey, in metres of the grid's frame."""
+    axes.set_facecolor(UNKNOWN)
+    shade = np.full((grid.height, grid.width, 3), to_rgb(FREE))
     shade[grid.data < 0] = to_rgb(UNKNOWN)
     shade[grid.occupied_mask()] = to_rgb(WALL)
     axes.imshow(shade, origin="lower", extent=_extent(grid), interpolation="nearest", zorder=0)
@@ -127,22 +138,22 @@ def _spread(trace: DriveTrace, spacing: float) -> list[int]:
 def _draw_plans(axes: Axes, trace: DriveTrace, spacing: float) -> None:
     followed, discarded = split_plans(trace)
     shown = [discarded[k] for k in _spread(trace, spacing)]
-    axes.add_collection(LineCollection(shown, colors=DISCARDED, linewidths=0.8, alpha=0.75, zorder=2))
+    axes.add_collection(LineCollection(shown, colors=DISCARDED, linewidths=1.0, zorder=2))
     axes.add_collection(LineCollection(followed, colors=FOLLOWED, linewidths=1.5, zorder=3))
 
 
 def _draw_window_points(axes: Axes, trace: DriveTrace, spacing: float) -> None:
-    """DWA: projected goals orange, safe control points blue (Fig. 3.13a)."""
+    """DWA: projected goals and safe control points (Fig. 3.13a)."""
     way = arc_length(trace.pose[:, :2])
     ticks = np.searchsorted(way, np.arange(0, way[-1] + 1e-9, spacing)).clip(0, len(way) - 1)
-    for points, colour, size in ((trace.goal, DWA_GOAL, 3.8), (trace.control_point, DWA_POINT, 2.2)):
+    for points, colour, size in ((trace.goal, PLANNED, 4.6), (trace.control_point, DRIVEN, 2.4)):
         axes.plot(*points[ticks].T, "o", color=colour, ms=size, mew=0, zorder=3)
 
 
 def draw_run(axes: Axes, trace: DriveTrace, spacing: float = 0.7) -> None:
     """One run: footprints every `spacing` [m], the way, what its assistant had in mind, contacts (Fig. 3.13-3.15)."""
     draw_footprints(axes, every(trace.pose, spacing), trace.footprint)
-    draw_footprints(axes, trace.pose[-1:], trace.footprint, WAY, "#4a505820")
+    draw_footprints(axes, trace.pose[-1:], trace.footprint, WAY, translucent(WAY))
     axes.plot(*trace.pose[:, :2].T, color=WAY, lw=0.7 if trace.plans else 1.0, zorder=2.5)
     if trace.plans:
         _draw_plans(axes, trace, spacing)
@@ -150,7 +161,7 @@ def draw_run(axes: Axes, trace: DriveTrace, spacing: float = 0.7) -> None:
         _draw_window_points(axes, trace, spacing)
     hits = trace.pose[trace.collision]
     if len(hits):
-        draw_footprints(axes, hits, trace.footprint, CONTACT, "#c1121f30")
+        draw_footprints(axes, hits, trace.footprint, CONTACT, translucent(CONTACT))
         axes.plot(*hits[:, :2].T, "x", color=CONTACT, ms=6, mew=1.6, zorder=4)
 
 
@@ -167,7 +178,7 @@ def _dot(colour: str, label: str, marker: str = "o", size: float = 4.0) -> Line2
 def _run_legend(traces: Sequence[DriveTrace]) -> list[Line2D]:
     handles = [_dot(BODY, "footprint", "s"), _dot(WAY, "at the end", "s"), line_handle(WAY, "way of the axle", 1.0)]
     if any(not trace.plans and np.isfinite(trace.control_point).any() for trace in traces):
-        handles += [_dot(DWA_GOAL, "DWA: projected goal"), _dot(DWA_POINT, "DWA: control point")]
+        handles += [_dot(PLANNED, "DWA: projected goal"), _dot(DRIVEN, "DWA: control point")]
     if any(trace.plans for trace in traces):
         handles += [
             line_handle(FOLLOWED, "path points followed"),
@@ -202,7 +213,7 @@ def course_figure(course: Course, traces: Sequence[DriveTrace]) -> Figure:
     rows = ceil(len(traces) / columns)
     scale = min((PAGE / columns - 0.35) / width, 9.0 / height)
     size = (columns * (scale * width + 0.35) + 0.35, rows * (scale * height + 0.9) + 0.4)
-    figure = Figure(figsize=(max(size[0], 5.0), size[1]), layout="compressed")
+    figure = Figure(figsize=(max(size[0], PAGE / 2), size[1]), layout="compressed")
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     spacing = max(0.7, course.length / 150)
     for axes, trace in zip(panels, traces, strict=False):
@@ -227,12 +238,12 @@ def demonstrations_figure(courses: Sequence[Course], logs: Sequence[DriveLog]) -
     `courses` and `logs` belong together by position; all courses share one world, the first one's is drawn.
     """
     x0, x1, y0, y1 = _extent(courses[0].grid)
-    width = 7.5
+    width = 0.7 * PAGE
     figure = Figure(figsize=(width, width * (y1 - y0) / (x1 - x0) + 0.25), layout="compressed")
     axes = figure.subplots()
     draw_grid(axes, courses[0].grid)
     for course, log in zip(courses, logs, strict=True):
         way = course.start.transform(log.pose[:, :2])
-        axes.plot(*way.T, color=DEMONSTRATION, lw=1.0, alpha=0.85)
+        axes.plot(*way.T, color=DRIVEN, lw=1.0, alpha=0.85)
     axes.set(xlim=(x0, x1), ylim=(y0, y1))
     return figure

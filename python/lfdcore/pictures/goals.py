@@ -13,16 +13,8 @@ from matplotlib.patches import Rectangle
 
 from lfdcore.geometry import Pose2
 from lfdcore.pictures.course import Array, Limits, draw_grid
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import PAGE, REFERENCE, WAY, series_colour, styled
 from lfdcore.simulated.courses import GoalWorld
-
-GOAL_COLOURS = ("#c1121f", "#1a9850", "#2563c9", "#00a6b4", "#b5179e", "#e08e0b", "#6b4fbb", "#7a5c3e")
-"""of destinations in their order; told apart in print and by most colour-blind readers with the names beside"""
-
-
-def goal_colour(index: int) -> str:
-    """The colour of destination `index`; beyond the last they begin again."""
-    return GOAL_COLOURS[index % len(GOAL_COLOURS)]
 
 
 @styled
@@ -41,7 +33,7 @@ def plot_goal_drives(world: GoalWorld, drives: Sequence[tuple[str, Array]], held
         draw_grid(axes, world.grid)
         _draw_drives(axes, world, drives, set(held_out), 0.6 if axes is whole else 1.1)
     x0, x1, y0, y1 = limits
-    whole.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor="#808790", linewidth=0.8, zorder=4))
+    whole.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor=REFERENCE, linewidth=0.8, zorder=4))
     whole.set_title(f"{world.description}: {len(drives)} drives", loc="left")
     near.set(xlim=(x0, x1), ylim=(y0, y1))
     near.set_title("where they are", loc="left")
@@ -55,7 +47,7 @@ def _draw_drives(
     axes: Axes, world: GoalWorld, drives: Sequence[tuple[str, Array]], dashed: set[int], width: float
 ) -> None:
     for k, (goal, path) in enumerate(drives):
-        colour, dashes = goal_colour(world.goals.index(goal)), "--" if k in dashed else "-"
+        colour, dashes = series_colour(world.goals.index(goal)), "--" if k in dashed else "-"
         lines = LineCollection([path[:, :2]], colors=colour, linewidths=width, linestyles=dashes, zorder=2)
         axes.add_collection(lines)
 
@@ -63,14 +55,14 @@ def _draw_drives(
 def _draw_goals(axes: Axes, world: GoalWorld) -> None:
     for k, goal in enumerate(world.goals.goals):
         right = goal.x >= world.start.x  # the name stands beyond the goal, not on the way to it
-        axes.plot(goal.x, goal.y, "o", color=goal_colour(k), markeredgecolor="white", markersize=8, zorder=5)
+        axes.plot(goal.x, goal.y, "o", color=series_colour(k), markeredgecolor="white", markersize=8, zorder=5)
         axes.annotate(
             goal.name,
             (goal.x, goal.y),
             xytext=(7 if right else -7, 5),
             textcoords="offset points",
             horizontalalignment="left" if right else "right",
-            color=goal_colour(k),
+            color=series_colour(k),
             fontweight="bold",
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
             zorder=5,
@@ -87,9 +79,9 @@ def _draw_start(axes: Axes, start: Pose2) -> None:
 def _legend(held_out: bool) -> list[Line2D]:
     handles = [
         Line2D([], [], color="black", marker="s", markersize=5, linestyle="none", label="start area and heading"),
-        Line2D([], [], color="#4a5058", label="drive to learn from" if held_out else "drive"),
+        Line2D([], [], color=WAY, label="drive to learn from" if held_out else "drive"),
     ]
-    return [*handles, Line2D([], [], color="#4a5058", linestyle="--", label="held out")] if held_out else handles
+    return [*handles, Line2D([], [], color=WAY, linestyle="--", label="held out")] if held_out else handles
 
 
 def square_around(points: Array, margin: float = 3.0) -> Limits:

@@ -18,14 +18,13 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import way_ahead
 from lfdcore.geometry import Footprint, MotionLimits, Pose2
 from lfdcore.grid import LaserScan, OccupancyGrid
-from lfdcore.pictures.course import WALL
-from lfdcore.pictures.style import PAGE, Picture, styled
+from lfdcore.pictures.style import BODY, DIRECTIONS, INK, LANDSCAPE, PAGE, UNKNOWN, WALL, Picture, styled
 from lfdcore.pictures.window import (
-    LANDSCAPE,
     cover_cells,
     draw_chair,
     draw_dot,
     draw_line,
+    draw_plan,
     draw_stick,
     draw_window,
     front_axes,
@@ -48,7 +47,6 @@ from lfdcore.wheelchair.surroundings import Surroundings
 Array = NDArray[np.float64]
 
 STICKS = (("ahead", (0.8, 0.0)), ("ahead and left", (0.57, 0.57)), ("backwards and right", (-0.4, -0.4)))
-PATH = "#e6194b"
 _WHOLE = -WINDOW
 _SPACING = 2.0  # [m] of way between the scans that Fig. 4.6 is chosen from
 
@@ -61,9 +59,9 @@ def _whole_window(axes: Axes, title: str) -> None:
 
 def _heat(axes: Axes, heat: NDArray[np.floating], title: str, stick: Sequence[float] | None = None) -> None:
     draw_window(axes, heat, cmap=LANDSCAPE, vmin=0, vmax=max(float(heat.max()), 1e-9))
-    draw_chair(axes, Footprint(), "none", "#ffffff")
+    draw_chair(axes, Footprint(), "none", "white")
     if stick is not None:
-        draw_stick(axes, stick, "#ff7bd5")
+        draw_stick(axes, stick)
     _whole_window(axes, title)
 
 
@@ -83,11 +81,11 @@ def sensor_figure(model: HeatmapModel, log: DriveLog, pairs: HeatmapPairs, index
     figure = Figure(figsize=(PAGE, 2.9), layout="compressed")
     a, b, c, d = figure.subplots(1, 4, sharey=True)
     _draw_hits(a, log.scan(int(pairs.scan[index])), log.T_base_laser)
-    draw_chair(a, Footprint(), "#d6282840", "#d62828")
+    draw_chair(a, Footprint())
     _whole_window(a, "A  scan")
     free = pairs.free[index]
     draw_window(b, free.astype(float), cmap="gray", vmin=-0.15, vmax=1)
-    draw_chair(b, Footprint(), "none", "#d62828")
+    draw_chair(b, Footprint(), "none", BODY)
     _whole_window(b, "B  seen free")
     _heat(c, pairs.target[index].astype(np.float32), "C  demonstrated paths")
     _heat(d, model.sensor.predict(free), "D  sensor heatmap")
@@ -107,12 +105,12 @@ def widest_pair(pairs: HeatmapPairs, among: Sequence[int] = ()) -> int:
 @styled
 def template_figure(template: MovementTemplate) -> Figure:
     """A: the movement template, the stick's orientation that leads to each cell; B: the distance filter (Fig. 4.9)."""
-    figure = Figure(figsize=(7.4, 3.4), layout="compressed")
+    figure = Figure(figsize=(0.7 * PAGE, 3.4), layout="compressed")
     a, b = figure.subplots(1, 2, sharey=True)
-    turned = draw_window(a, np.degrees(template.orientation), cmap="twilight_shifted", vmin=-180, vmax=180)
+    turned = draw_window(a, np.degrees(template.orientation), cmap=DIRECTIONS, vmin=-180, vmax=180)
     far = draw_window(b, template.distance_filter, cmap=LANDSCAPE, vmin=0, vmax=1)
     for axes, title in ((a, "A  movement template"), (b, "B  distance filter")):
-        draw_chair(axes, Footprint(), "none", "#ffffff")
+        draw_chair(axes, Footprint(), "none", "white")
         _whole_window(axes, title)
     figure.colorbar(turned, ax=a, shrink=0.85, label="orientation of the stick [°]", ticks=range(-180, 181, 90))
     figure.colorbar(far, ax=b, shrink=0.85, label="weight")
@@ -122,7 +120,7 @@ def template_figure(template: MovementTemplate) -> Figure:
 @styled
 def user_figure(planner: HeatmapPlanner, template: MovementTemplate) -> Figure:
     """A row a stick: the stick, its raw heatmap, the one times the distance filter (Fig. 4.10)."""
-    figure = Figure(figsize=(7.6, 7.4), layout="compressed")
+    figure = Figure(figsize=(0.72 * PAGE, 7.4), layout="compressed")
     panels = figure.subplots(len(STICKS), 3)
     for row, (name, stick) in zip(panels, STICKS, strict=True):
         moments = planner.orientation(np.array(stick))
@@ -140,8 +138,8 @@ def user_figure(planner: HeatmapPlanner, template: MovementTemplate) -> Figure:
 def _draw_stick_axes(axes: Axes, name: str, stick: Sequence[float], moments: OrientationMoments) -> None:
     axes.set(xlim=(1.05, -1.05), ylim=(-1.05, 1.05), xlabel="stick, left", ylabel="stick, ahead")
     axes.set_aspect("equal")
-    axes.axhline(0, color="#c9ced5", lw=0.8)
-    axes.axvline(0, color="#c9ced5", lw=0.8)
+    axes.axhline(0, color=UNKNOWN, lw=0.8)
+    axes.axvline(0, color=UNKNOWN, lw=0.8)
     draw_stick(axes, stick, length=1.0)
     sd = np.degrees(np.sqrt(moments.variance))
     mean = round(float(np.degrees(moments.mean)))
@@ -209,20 +207,20 @@ def q_learning_figure(moment: HeatMoment) -> Figure:
     a, b, c = figure.subplots(1, 3, sharey=True)
     draw_window(a, np.where(blocked, 0.45, 1.0), cmap="gray", vmin=0, vmax=1)
     _draw_hits(a, moment.observation.scan, moment.planner.chair.T_base_laser)
-    draw_chair(a, Footprint(), "#d6282840", "#d62828")
+    draw_chair(a, Footprint())
     _whole_window(a, "A  obstacles, grown")
     inner = ~blocked
     inner[[0, -1], :] = inner[:, [0, -1]] = False
     for axes, shown, title in ((b, planned.reward, "B  reward"), (c, values, "C  value and path")):
         inside = shown[inner]
-        colours = colormaps[LANDSCAPE].with_extremes(bad="#23262b")
+        colours = colormaps[LANDSCAPE].with_extremes(bad=INK)
         draw_window(axes, np.where(inner, shown, np.nan), cmap=colours, vmin=0, vmax=float(inside.max()))
-        draw_chair(axes, Footprint(), "none", "#ffffff")
+        draw_chair(axes, Footprint(), "none", "white")
         cover_cells(axes, moment.grid.occupied_mask(), 1.0)
         _whole_window(axes, title)
-    draw_line(c, moment.way, "#ffffff", 1.1, ls="--", zorder=4.5)
-    draw_line(c, planned.path, PATH, 1.8, zorder=5)
-    draw_dot(c, planned.goal, "#ffffff", 5.0, mec="black")
+    draw_line(c, moment.way, "white", 1.1, ls="--", zorder=4.5)
+    draw_plan(c, planned.path, zorder=5)
+    draw_dot(c, planned.goal, "white", 5.0, mec="black")
     return figure
 
 
@@ -293,6 +291,6 @@ def _moment_pictures(moment: HeatMoment, at: str) -> list[Picture]:
             q_learning_figure(moment),
             "As Fig. 4.12. A: what was hit (dots) and the obstacles of the rolling map, grown (grey). B: reward, "
             f"blocked cells and the penalised border dark. C: values after Q-learning (discount {discount:g}) with "
-            f"the path (red) to the local maximum (dot), and the way that was then driven (dashed). {at}",
+            f"the path (orange) to the local maximum (dot), and the way that was then driven (dashed). {at}",
         ),
     ]

@@ -6,29 +6,43 @@ All are drawn in base_link with the chair's front up: x ahead is the vertical ax
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import Normalize, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2
-from lfdcore.pictures.course import BODY, CONTACT, FOLLOWED, WALL, every, outlines
+from lfdcore.pictures.course import every, outlines
 from lfdcore.pictures.moments import Moment, telling_moments
-from lfdcore.pictures.style import PAGE, Picture, styled
-from lfdcore.pictures.window import (
-    GOAL,
+from lfdcore.pictures.path_primitives import primitives_figure
+from lfdcore.pictures.style import (
+    BEAM,
+    BODY,
+    CONTACT,
+    DRIVEN,
+    FAINT,
+    FOLLOWED,
     LANDSCAPE,
+    PAGE,
+    PLANNED,
+    REFERENCE,
+    UNKNOWN,
+    WALL,
+    WAY,
+    Picture,
+    styled,
+    translucent,
+)
+from lfdcore.pictures.window import (
     cover_cells,
     draw_chair,
     draw_dot,
     draw_line,
+    draw_plan,
     draw_stick,
     draw_window,
     front_axes,
@@ -40,11 +54,9 @@ from lfdcore.wheelchair.drivable_path import START
 from lfdcore.wheelchair.primitives.compliance import ComplianceModel
 from lfdcore.wheelchair.primitives.local_paths import REASONS, LocalPaths, beam_geometry, extract_local_paths
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.path_primitives import PathPrimitives, orientation_bin
 
 Array = NDArray[np.float64]
 
-BEAM, SCAN, BORDER = "#2563c9", "#35b779", "#c2259f"
 REASON_NAMES = {
     "window": "leaves the window",
     "hidden": "hidden behind its beam",
@@ -81,16 +93,16 @@ def _draw_local_path(axes: Axes, log: DriveLog, paths: LocalPaths, index: int, b
     beam = int(beams.locate(goal[None])[0][0])
     angle = laser.yaw + log.angle_min + beam * log.angle_increment
     end = np.array([laser.x, laser.y]) + paths.beam_range[index] * np.array([np.cos(angle), np.sin(angle)])
-    axes.plot(hits[:, 1], hits[:, 0], ".", color="#8a9099", ms=3.0, mew=0, zorder=1)
+    axes.plot(hits[:, 1], hits[:, 0], ".", color=FAINT, ms=3.0, mew=0, zorder=1)
     border = np.array([[0, -WINDOW], [WINDOW, -WINDOW], [WINDOW, WINDOW], [0, WINDOW], [0, -WINDOW]])
-    draw_line(axes, border, BORDER, 1.0, zorder=2)
-    draw_line(axes, _drive_around(log, paths.stamp[index]), "#111111", 1.0, zorder=3)
-    draw_chair(axes, Footprint(), "#d6282840", "#d62828")
+    draw_line(axes, border, REFERENCE, 1.0, ls="--", zorder=2)
+    draw_line(axes, _drive_around(log, paths.stamp[index]), DRIVEN, 1.0, zorder=3)
+    draw_chair(axes, Footprint())
     draw_line(axes, np.array([[laser.x, laser.y], end]), BEAM, 1.1, zorder=5)
     draw_dot(axes, end, "none", 8.0, mec=BEAM, mew=1.5)
-    draw_line(axes, paths.paths[index], GOAL, 2.4, zorder=5)
-    draw_dot(axes, goal, GOAL, 7.0, mec="black", mew=0.6)
-    draw_stick(axes, paths.joystick[index], FOLLOWED)
+    draw_line(axes, paths.paths[index], PLANNED, 2.4, zorder=5)
+    draw_dot(axes, goal, PLANNED, 7.0, mec="black", mew=0.6)
+    draw_stick(axes, paths.joystick[index])
 
 
 @styled
@@ -119,109 +131,30 @@ def _draw_scan(axes: Axes, moment: Moment) -> None:
     start = np.array([laser.x, laser.y])
     ends = start + ranges[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1)
     rays = [np.array([start[::-1], end[::-1]]) for end in ends[::2]]
-    axes.add_collection(LineCollection(rays, colors=SCAN, linewidths=0.5, alpha=0.6, zorder=1))
+    axes.add_collection(LineCollection(rays, colors=BEAM, linewidths=0.5, alpha=0.6, zorder=1))
     hits = beams.hits(scan.ranges, scan.range_max)
     axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.5, mew=0, zorder=2)
     known = moment.obstacles.points
-    axes.plot(known[:, 1], known[:, 0], ".", color="#b9bec6", ms=2.5, mew=0, zorder=1.5)
-    draw_chair(axes, moment.chair.footprint, "#d62828c0", "#8c1515")
+    axes.plot(known[:, 1], known[:, 0], ".", color=FAINT, ms=2.5, mew=0, zorder=1.5)
+    draw_chair(axes, moment.chair.footprint)
 
 
 @styled
 def intention_figure(moment: Moment) -> Figure:
     """A: the scan; B: how likely each cell is where the driver wants to go (Fig. 3.8)."""
-    figure = Figure(figsize=(8.6, 3.5), layout="compressed")
+    figure = Figure(figsize=(0.82 * PAGE, 3.5), layout="compressed")
     left, right = figure.subplots(1, 2)
     _draw_scan(left, moment)
     draw_stick(left, moment.observation.joystick)
     image = draw_window(right, 1e3 * moment.planned.intention, cmap=LANDSCAPE)
     cover_cells(right, moment.grid.occupied_mask(), 1.0)
-    draw_chair(right, moment.chair.footprint, "#f39c1250", GOAL)
-    draw_stick(right, moment.observation.joystick, "#d9a6ff")
-    draw_dot(right, moment.planned.goal, "#ffffff", 7.0, mec="black")
+    draw_chair(right, moment.chair.footprint, "none", "white")
+    draw_stick(right, moment.observation.joystick)
+    draw_dot(right, moment.planned.goal, "white", 7.0, mec="black")
     figure.colorbar(image, ax=right, shrink=0.75, label="likelihood of a cell [1/1000]")
     for axes, title in ((left, "A  scan"), (right, "B  intention")):
         front_axes(axes)
         axes.set_title(title)
-    return figure
-
-
-# ---- Fig. 3.9 ------------------------------------------------------------------------------------------------------
-
-
-def bin_heading(index: int, bins: int = 17) -> float:
-    """Heading [rad] in the middle of an orientation bin."""
-    return float((index + 0.5) * 2 * np.pi / bins - np.pi)
-
-
-def _colour(colours: ScalarMappable, index: int) -> str:
-    """Of an orientation bin."""
-    return to_hex(colours.cmap(colours.norm(np.degrees(bin_heading(index)))))
-
-
-_FEW = 8
-
-
-def _in_bin(paths: LocalPaths, index: int) -> list[Array]:
-    """The paths of a bin with the mirror images of the opposite one's."""
-    flip = np.array([1.0, -1.0])
-    own = [paths.paths[k] for k in np.flatnonzero(orientation_bin(paths.end_yaw) == index)]
-    return own + [paths.paths[k] * flip for k in np.flatnonzero(orientation_bin(-paths.end_yaw) == index)]
-
-
-def _draw_bin(axes: Axes, primitives: PathPrimitives, which: int, paths: LocalPaths, colour: str) -> None:
-    own = _in_bin(paths, int(primitives.bins[which]))
-    shown = own[:: max(1, len(own) // 60)]
-    width = 0.5 if len(own) > _FEW else 4.5  # few lie close to their mean: wide enough to be seen below it
-    axes.add_collection(LineCollection([p[:, ::-1] for p in shown], colors="#aab0b8", linewidths=width))
-    draw_line(axes, primitives.shapes[which], colour, 2.0)
-    draw_dot(axes, primitives.ends[which], colour, 4.0)
-    heading = np.degrees(bin_heading(int(primitives.bins[which])))
-    title = f"{round(heading):+d}°".replace("+0", "0").replace("-", "−")
-    axes.set_title(f"{title}, n {int(primitives.counts[which])}", fontsize=8, pad=3)
-    front_axes(axes, labels=False)
-    axes.set_xticks([2, 0, -2])
-
-
-def goal_ring(reach: float = 2.3, count: int = 13) -> Array:
-    """(count, 2) [m]: goals on a half circle before the chair."""
-    angle = np.linspace(-0.5, 0.5, count) * np.pi
-    return reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def _draw_scaled(axes: Axes, primitives: PathPrimitives, colours: ScalarMappable) -> None:
-    for reach in (0.9, 1.6, 2.3):
-        goals = goal_ring(reach, 15)
-        for goal, which in zip(goals, primitives.nearest(goals), strict=True):
-            colour = _colour(colours, int(primitives.bins[which]))
-            draw_line(axes, primitives.scaled_to(goal), colour, 1.1 if reach < 2 else 1.5, zorder=2)
-            draw_dot(axes, goal, "#c9ced5", 5.0, mec="#6b7280", mew=0.6)
-    draw_chair(axes, Footprint(), "#d6282830", "#d62828")
-    front_axes(axes)
-    axes.set_title("B  the nearest primitive scaled to goals (grey)")
-
-
-_TITLE: dict[str, Any] = {"ha": "center", "fontsize": 9.5}
-
-
-@styled
-def primitives_figure(primitives: PathPrimitives, paths: LocalPaths) -> Figure:
-    """A: the primitive of each orientation over the demonstrated paths; B: scaled to goals (Fig. 3.9)."""
-    colours = ScalarMappable(Normalize(-180, 180), "turbo")
-    figure = Figure(figsize=(PAGE, 3.1))  # placed by hand: nested automatic layouts are not the same every time
-    panels = figure.add_gridspec(3, 6, left=0.045, right=0.645, bottom=0.13, top=0.86, wspace=0.12, hspace=0.3)
-    for which, axes in enumerate(np.asarray(panels.subplots(sharex=True, sharey=True)).ravel()):
-        if which < len(primitives):
-            colour = _colour(colours, int(primitives.bins[which]))
-            _draw_bin(axes, primitives, which, paths, colour)
-        else:
-            axes.set_axis_off()
-    figure.text(0.345, 0.96, "A  primitives by the heading of their end, over demonstrated paths (grey)", **_TITLE)
-    figure.text(0.345, 0.02, "y, left [m]", ha="center", fontsize=9)
-    figure.text(0.008, 0.5, "x, ahead [m]", va="center", fontsize=9, rotation=90)
-    _draw_scaled(figure.add_axes((0.70, 0.30, 0.29, 0.60)), primitives, colours)
-    bar = figure.add_axes((0.73, 0.11, 0.23, 0.025))
-    figure.colorbar(colours, cax=bar, orientation="horizontal", label="heading of the end [°]")
     return figure
 
 
@@ -255,9 +188,9 @@ def _draw_rollout(axes: Axes, moment: Moment) -> None:
         axes.add_collection(PolyCollection(bodies, facecolors="none", edgecolors=BODY, linewidths=0.7, zorder=1))
         if np.isfinite(rollout.time_to_contact):
             touching = outlines(rollout.poses[-1:], moment.chair.footprint)[0][:, ::-1]
-            axes.add_patch(Polygon(touching, facecolor="#c1121f30", edgecolor=CONTACT, lw=1.2, zorder=2))
-        draw_line(axes, rollout.poses, "#4a5058", 0.9, zorder=2)
-    draw_chair(axes, moment.chair.footprint, "#d6282840", "#d62828")
+            axes.add_patch(Polygon(touching, facecolor=translucent(CONTACT), edgecolor=CONTACT, lw=1.2, zorder=2))
+        draw_line(axes, rollout.poses, WAY, 0.9, zorder=2)
+    draw_chair(axes, moment.chair.footprint)
 
 
 @styled
@@ -268,19 +201,19 @@ def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) 
     figure = Figure(figsize=(PAGE, 3.2), layout="compressed")
     a, b, c = figure.subplots(1, 3)
     reward = draw_window(a, planned.reward, cmap=LANDSCAPE)
-    draw_line(a, planned.primitive, "#ffffff", 0.9, ls=(0, (4, 2)), zorder=2)
+    draw_line(a, planned.primitive, "white", 0.9, ls=(0, (4, 2)), zorder=2)
     free = np.where(blocked, np.nan, values)
     low = float(np.nanpercentile(free, 10))
     value = draw_window(b, np.where(blocked, low, values), cmap=LANDSCAPE, vmin=low)
-    draw_line(b, drawn, "#e6194b", 1.8, zorder=3)
+    draw_plan(b, drawn, zorder=3)
     for axes in (a, b):
         cover_cells(axes, moment.grid.occupied_mask(), 1.0)
-        draw_chair(axes, moment.chair.footprint, "none", "#ffffff")
-        draw_dot(axes, planned.goal, "#ffffff", 6.0, mec="black")
+        draw_chair(axes, moment.chair.footprint, "none", "white")
+        draw_dot(axes, planned.goal, "white", 6.0, mec="black")
     _draw_rollout(c, moment)
     if planned.source == "hybrid_astar":
-        draw_line(c, planned.path, BEAM, 1.8, zorder=4.5)
-    draw_line(c, drawn, "#e6194b", 1.0, zorder=4)
+        draw_line(c, planned.path, FOLLOWED, 1.8, zorder=4.5)
+    draw_line(c, drawn, PLANNED, 1.0, zorder=4)
     for image, axes, label, extend in ((reward, a, "reward", "neither"), (value, b, "value", "min")):
         bar = figure.colorbar(image, ax=axes, location="bottom", shrink=0.7, aspect=30, pad=0.03, extend=extend)
         bar.set_label(label)
@@ -300,7 +233,7 @@ STICKS = (("forward", (0.8, 0.0)), ("forward-left", (0.57, 0.57)), ("72° left",
 @styled
 def compliance_figure(compliance: ComplianceModel, threshold: float = 0.9) -> Figure:
     """Compliance of control points within the look-ahead for three inputs; the threshold as a line (Fig. 3.11)."""
-    figure = Figure(figsize=(8.8, 2.9), layout="compressed")
+    figure = Figure(figsize=(0.84 * PAGE, 2.9), layout="compressed")
     panels = figure.subplots(1, 3, sharey=True)
     angle = np.linspace(-np.pi, np.pi, 181)
     reach = compliance.config.look_ahead
@@ -310,9 +243,9 @@ def compliance_figure(compliance: ComplianceModel, threshold: float = 0.9) -> Fi
         values = compliance.map(np.array(stick))
         image = draw_window(axes, values, cmap=LANDSCAPE, vmin=0, vmax=1)
         axes.contour(centre, centre, values.T, levels=[threshold], colors="white", linewidths=1.2)
-        draw_line(axes, ring, "#c9ced5", 0.8, ls="--")
-        draw_chair(axes, Footprint(), "none", "#ffffff")
-        draw_stick(axes, stick, "#ff7bd5", 0.6)
+        draw_line(axes, ring, UNKNOWN, 0.8, ls="--")
+        draw_chair(axes, Footprint(), "none", "white")
+        draw_stick(axes, stick, length=0.6)
         front_axes(axes, -0.95, 0.95)
         axes.label_outer()
         axes.set_title(f"input {name}")
@@ -327,11 +260,11 @@ def _planning_caption(moment: Moment) -> str:
     planned = moment.planned
     text = (
         "As Fig. 3.10. A: reward with the primitive scaled to g* (dashed); obstacles as perceived in white, grown in "
-        "dark blue. B: values after dynamic policy programming and its greedy path (red). C: pure pursuit of the path "
-        "rolled out with the oriented footprint (grey)"
+        "dark blue. B: values after dynamic policy programming and its greedy path (orange). C: pure pursuit of the "
+        "path rolled out with the oriented footprint (grey)"
     )
     if planned.source == "hybrid_astar":
-        return f"{text}; it would touch (red), so hybrid A* takes the path's end (blue)."
+        return f"{text}; it would touch (red), so hybrid A* takes the path's end (green)."
     return f"{text}; it keeps clear of every obstacle point of the rolling map (dark)."
 
 
@@ -361,10 +294,9 @@ def stage_figures(
     pictures = [
         Picture(
             local_paths_figure(log, paths),
-            f"As Fig. 3.7: local paths (orange) cut from the demonstrator's drive (black), from the chair (red) to "
-            f"where a criterion ends them; the stick then (green), the beam that covers the end (blue), capped at the "
-            f"window (magenta), and what the scan hit (grey). {len(paths)} paths "
-            f"end so: {_end_counts(paths)}. {source}",
+            f"As Fig. 3.7: local paths (orange) cut from the demonstrator's drive (blue), from the chair to where a "
+            f"criterion ends them; the stick then (purple), the beam that covers the end (light blue), capped at the "
+            f"window (dashed), and what the scan hit (grey). {len(paths)} paths end so: {_end_counts(paths)}. {source}",
         )
     ]
     moments = telling_moments(model, log, paths, config)
@@ -374,8 +306,8 @@ def stage_figures(
         pictures.append(
             Picture(
                 intention_figure(first),
-                "As Fig. 3.8. A: the chair (red), its scan (green, hits dark; obstacles remembered from recent scans "
-                "grey) and the stick (violet). B: likelihood that the driver wants to get to a cell; the likeliest is "
+                "As Fig. 3.8. A: the chair, its scan (light blue, hits dark; obstacles remembered from recent scans "
+                "grey) and the stick (purple). B: likelihood that the driver wants to get to a cell; the likeliest is "
                 f"g* (white dot); obstacles in white. {at}",
             )
         )

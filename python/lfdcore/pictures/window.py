@@ -10,15 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from lfdcore.geometry import Footprint
+from lfdcore.pictures.style import BODY, INK, PLANNED, STICK, WAY, translucent
 from lfdcore.wheelchair.beams import WINDOW
 
 Array = NDArray[np.float64]
 
-STICK, GOAL = "#7b2cbf", "#f39c12"
-LANDSCAPE = "viridis"
 _EDGE = WINDOW + 0.12
 _BACK = -0.6
 
@@ -38,20 +38,27 @@ def draw_line(axes: Axes, points: Array, colour: str, width: float = 1.5, **more
     axes.plot(points[:, 1], points[:, 0], color=colour, lw=width, **more)
 
 
+def draw_plan(axes: Axes, points: Array, width: float = 1.8, **more: Any) -> None:
+    """A planned path (N, 2) [m], cased: seen on whatever landscape lies below it."""
+    casing = [withStroke(linewidth=width + 1.4, foreground=INK)]
+    draw_line(axes, points, PLANNED, width, path_effects=casing, **more)
+
+
 def draw_dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
     """A point (2,) [m]."""
     axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
 
 
-def draw_chair(axes: Axes, footprint: Footprint, face: str, edge: str) -> None:
+def draw_chair(axes: Axes, footprint: Footprint, face: str = translucent(BODY), edge: str = WAY) -> None:
     """The chair in base_link."""
     axes.add_patch(Polygon(footprint.corners()[:, ::-1], facecolor=face, edgecolor=edge, lw=1.0, zorder=4))
 
 
-def draw_stick(axes: Axes, joystick: Sequence[float] | Array, colour: str = STICK, length: float = 0.75) -> None:
-    """The joystick as an arrow from the axle."""
+def draw_stick(axes: Axes, joystick: Sequence[float] | Array, length: float = 0.75) -> None:
+    """The joystick as an arrow from the axle, cased as a plan is."""
     tip = (joystick[1] * length, joystick[0] * length)
-    arrow = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 12}
+    arrow = {"arrowstyle": "-|>", "color": STICK, "lw": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 12}
+    arrow["path_effects"] = [withStroke(linewidth=3.6, foreground="white")]
     axes.annotate("", xy=tip, xytext=(0, 0), arrowprops=arrow, zorder=7)
 
 

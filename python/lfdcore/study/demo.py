@@ -92,8 +92,8 @@ def _real_section(models: StudyModels) -> list[Section]:
         predicting["simulated home"] = DriveAssistantModel.load(models.primitives)
     prediction = predict_log(log, predicting)
     caption = (
-        f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths in one colour where "
-        "the later input complied, in another where not."
+        f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "
+        "input complied, orange where not."
     )
     picture = Picture(prediction_figure([prediction]), caption)
     return [Section(title, "A real robot's log, not simulated.", [prediction_table(prediction)], [picture])]

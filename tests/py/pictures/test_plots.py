@@ -25,8 +25,9 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint
 from lfdcore.pictures.course import course_figure, demonstrations_figure, every, outlines, split_plans
 from lfdcore.pictures.moments import telling_moments
-from lfdcore.pictures.path_stages import bin_heading, example_paths, planning_figure, primitives_figure, stage_figures
-from lfdcore.pictures.style import png
+from lfdcore.pictures.path_primitives import bin_heading, primitives_figure
+from lfdcore.pictures.path_stages import example_paths, planning_figure, stage_figures
+from lfdcore.pictures.style import PLANNED, png
 from lfdcore.simulated.courses import campus, doorway_and_docking, home
 from lfdcore.simulated.drivers import ExpertDriver, ImpairedDriver
 from lfdcore.simulated.run import run_drive
@@ -201,8 +202,8 @@ def test_the_drawn_dpp_path_is_the_planned_one_where_the_planner_kept_it(
     model: DriveAssistantModel, log: DriveLog
 ) -> None:
     moment = telling_moments(model, log, extract_local_paths(log))["grid"]
-    red = next(line for line in planning_figure(moment).axes[1].lines if line.get_color() == "#e6194b")
-    drawn = np.stack([red.get_ydata(), red.get_xdata()], axis=1)
+    plan = next(line for line in planning_figure(moment).axes[1].lines if line.get_color() == PLANNED)
+    drawn = np.stack([plan.get_ydata(), plan.get_xdata()], axis=1)
     gap = np.hypot(*(drawn[:, None] - moment.planned.path[None]).transpose(2, 0, 1)).min(axis=1)
     assert gap.max() < 0.15  # the planner smooths the cells' staircase
 

@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import ANOTHER, BASELINE, LEARNED, PAGE, REFERENCE, RULE, styled
 from lfdcore.study.adaptation.study import AdaptationRun, by_bias
 from lfdcore.study.report.statistics import summarise
 
 Floats = NDArray[np.float64]
-COLOURS = {"before": "#4a5058", "then": "#f39c12", "adapting": "#1a9850"}
+COLOURS = {"before": BASELINE, "then": ANOTHER, "adapting": LEARNED}
 BIN = 10.0
 """[s]"""
 
@@ -56,13 +56,13 @@ def adaptation_figure(runs: Sequence[AdaptationRun]) -> Figure:
     for axes, (bias, mine) in zip(panels, groups, strict=True):
         for stage, label in names.items():
             _draw(axes, mine, stage, label)
-        axes.axvline(after, color="#8a9099", lw=0.8, ls="--", zorder=1)
+        axes.axvline(after, color=REFERENCE, lw=0.8, ls="--", zorder=1)
         axes.set(
             xlabel="time into the drive [s]",
             title=f"bias {bias:+.2f} rad, n = {len(mine)}" if bias else f"no bias, n = {len(mine)}",
         )
         axes.set_xlim(left=0)
-        axes.grid(axis="y", lw=0.4, color="#d0d7de")
+        axes.grid(axis="y", lw=0.4, color=RULE)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylim(bottom=0)  # of all, once all is drawn: limits set before would cut what comes later
     panels[0].set_ylabel("error of the joystick model [rad]")

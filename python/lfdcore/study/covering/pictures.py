@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse, Patch, Rectangle
@@ -14,8 +15,21 @@ from numpy.typing import NDArray
 
 from lfdcore.humanoid.covering import CoveringVerdict
 from lfdcore.humanoid.scene import Box
-from lfdcore.pictures.course import CONTACT
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import (
+    ALARM,
+    BASELINE,
+    BODY,
+    CONTACT,
+    INK,
+    METHOD_COLOURS,
+    PAGE,
+    PURPLE,
+    RANKS,
+    REFERENCE,
+    RULE,
+    VERMILLION,
+    styled,
+)
 from lfdcore.simulated.covering import RIGHT_GRIPPER, CoveredObject
 from lfdcore.study.covering.study import (
     EXAMPLE,
@@ -34,9 +48,8 @@ from lfdcore.study.report.statistics import summarise
 
 Floats = NDArray[np.float64]
 
-METHOD_COLOURS = {"EaIP": "#2563c9", "IP": "#e08e0b"}
-PARTNER_COLOURS = {NOBODY: "#4a5058", STRANGER: "#c1121f", SHUFFLED: "#6b4fbb"}
-BOX, MOUTH = "#9aa1ab", "#1f2328"
+PARTNER_COLOURS = {NOBODY: BASELINE, STRANGER: VERMILLION, SHUFFLED: PURPLE}
+MOUTH = INK
 Y, Z = "y [m]", "z [m, base]"
 _SHORT = {"cabinet raised by 10 cm": "raised cabinet"}
 
@@ -74,7 +87,7 @@ def _label(one: CoveredObject) -> str:
 
 def _by_height(objects: Sequence[CoveredObject]) -> dict[str, tuple[float, ...]]:
     order = sorted(objects, key=lambda one: one.height)
-    shades = matplotlib.colormaps["plasma_r"](np.linspace(0.12, 0.95, len(order)))
+    shades = RANKS.reversed()(np.linspace(0, 1, len(order)))
     return {one.name: tuple(shade.tolist()) for one, shade in zip(order, shades, strict=True)}
 
 
@@ -87,7 +100,7 @@ def _yz(axes: Axes, title: str) -> None:
     axes.set(xlabel=Y, ylabel=Z)
     axes.set_aspect("equal")
     axes.tick_params(length=2.5, width=0.6)
-    axes.grid(linewidth=0.3, color="#d0d7de")
+    axes.grid(linewidth=0.3, color=RULE)
     axes.set_axisbelow(True)
 
 
@@ -96,22 +109,17 @@ def share_paths_figure(run: CoveringRun) -> Figure:
     """Fig. 5.15a: the motion inferred at EXAMPLE from more and more of the partner's, a panel a method."""
     figure = Figure(figsize=(0.9 * PAGE, 0.285 * PAGE), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    shades = matplotlib.colormaps["viridis_r"]
+    shades = RANKS.reversed()
     for axes, method in zip(panels, METHODS, strict=True):
-        axes.add_patch(_front(run.shown.boxes[EXAMPLE], facecolor=MOUTH))
+        axes.add_patch(_front(run.shown.boxes[EXAMPLE], facecolor=BODY))
         for share, motion in zip(SHARES, run.shown.by_share[method], strict=True):
-            _path(axes, motion, shades(0.1 + 0.9 * share), linewidth=1.2)
+            _path(axes, motion, shades(share), linewidth=1.2)
         _yz(axes, f"{method}, {EXAMPLE}")
         axes.set(ylim=(-0.2, 0.28), xlim=(-0.14, 0.68))
     panels[1].set_ylabel("")
-    scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(0, 1), _shifted())
+    scale = ScalarMappable(Normalize(0, 1), shades)
     figure.colorbar(scale, ax=list(panels), label="share observed", pad=0.01, aspect=16)
     return figure
-
-
-def _shifted() -> matplotlib.colors.ListedColormap:
-    shades = matplotlib.colormaps["viridis_r"](0.1 + 0.9 * np.linspace(0, 1, 256))
-    return matplotlib.colors.ListedColormap(shades)
 
 
 def _front(box: Box, **style: object) -> Rectangle:
@@ -133,10 +141,10 @@ def share_errors_figure(result: CoveringResult) -> Figure:
                 label = method if form == "positions" else f"{method}, forcing function"
                 _band(axes, np.array(SHARES), each, METHOD_COLOURS[method], label, dashes)
         early = share_errors(result, "positions", "EaIP", name)[:, SHARES.index(0.1)]
-        axes.axhline(100 * float(early.mean()), color=BOX, linewidth=0.8, linestyle="--", zorder=0)
+        axes.axhline(100 * float(early.mean()), color=REFERENCE, linewidth=0.8, linestyle="--", zorder=0)
         axes.set_title(title, loc="left")
         axes.set(xlabel="share of the partner's motion observed", xlim=(0, 1))
-        axes.grid(linewidth=0.3, color="#d0d7de")
+        axes.grid(linewidth=0.3, color=RULE)
     panels[0].set(ylabel="RMSE [cm]", ylim=(0, None))  # after both are drawn: they share it
     figure.legend(handles=panels[0].get_lines()[:4], loc="outside lower center", ncols=4, frameon=False)
     return figure
@@ -172,7 +180,7 @@ def sweeps_figure(run: CoveringRun, objects: Sequence[CoveredObject]) -> Figure:
             _yz(axes, f"{method}: {_SHORT.get(one.name, one.name)}{' *' if verdict.collided else ''}")
             axes.set(xlim=(-0.42, 0.72), ylim=(-0.30, 0.42), xlabel="", ylabel="")
             said = "covered" if verdict.success else "collision" if verdict.collided else "not covered"
-            colour = MOUTH if verdict.success else CONTACT
+            colour = MOUTH if verdict.success else ALARM
             note = f"{said}, nearest {100 * verdict.contact.distance:.1f} cm"
             axes.text(0.03, 0.04, note, transform=axes.transAxes, color=colour, fontsize=8, bbox=_PLATE)
     for axes in panels[-1]:
@@ -182,7 +190,7 @@ def sweeps_figure(run: CoveringRun, objects: Sequence[CoveredObject]) -> Figure:
     handles = [
         *(Line2D([], [], color=METHOD_COLOURS[m], label=f"left gripper, {m}") for m in METHODS),
         Line2D([], [], color=MOUTH, marker="o", markersize=3.5, label="the bag's mouth at its nearest"),
-        Patch(facecolor=BOX, label="object"),
+        Patch(facecolor=BODY, label="object"),
         Line2D([], [], color=CONTACT, marker="o", markerfacecolor="none", linestyle="none", label="collision (< 2 cm)"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
@@ -193,7 +201,7 @@ _PLATE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}
 
 
 def _sweep(axes: Axes, box: Box, motion: Floats, verdict: CoveringVerdict, colour: str) -> None:
-    axes.add_patch(_front(box, facecolor=BOX))
+    axes.add_patch(_front(box, facecolor=BODY))
     _path(axes, motion, colour, linewidth=1.5)
     right = np.array(RIGHT_GRIPPER)
     for k in np.linspace(0, len(motion) - 1, 9).astype(int):
@@ -222,7 +230,7 @@ def partners_figure(result: CoveringResult) -> Figure:
             )
         axes.set_title(f"protocol {name}", loc="left")
         axes.set(xlabel="share of the partner's motion observed", xticks=PARTNER_SHARES)
-        axes.grid(linewidth=0.3, color="#d0d7de")
+        axes.grid(linewidth=0.3, color=RULE)
     panels[0].set_ylabel("EaIP's RMSE beyond that\nwith its own partner [cm]")
     figure.legend(handles=panels[0].get_lines(), loc="outside lower center", ncols=4, frameon=False)
     return figure
@@ -241,7 +249,7 @@ def dials_figure(result: CoveringResult) -> Figure:
                 _band(axes, np.array(result.study.dials), each, METHOD_COLOURS[method], label, dashes, "o")
         axes.set_title(f"{100 * share:.0f} % observed", loc="left")
         axes.set(xlabel="how informative the partner is", xticks=(0, 0.5, 1))
-        axes.grid(linewidth=0.3, color="#d0d7de")
+        axes.grid(linewidth=0.3, color=RULE)
     panels[0].set(ylabel="RMSE to the demonstration [cm]", ylim=(0, None))
     figure.legend(handles=panels[0].get_lines(), loc="outside lower center", ncols=4, frameon=False)
     return figure

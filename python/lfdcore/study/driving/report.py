@@ -42,7 +42,7 @@ INTRODUCTION = (
 )
 STAGES = "How a demonstration becomes a path: one log, its moments chosen by rule (those with most to see)."
 _READING = (
-    "Grey rectangles: the chair's footprint. Green: path points that were followed; orange-red: the first half of what "
+    "Grey rectangles: the chair's footprint. Green: path points that were followed; orange: the first half of what "
     "was discarded when the next path came, for a path about every {spacing:.1f} m. Red: where a contact began."
 )
 
@@ -98,8 +98,8 @@ def demonstration_pictures(logs: Sequence[DriveLog]) -> list[Picture]:
         return []
     metres = sum(courses[log.name].length for log in known)
     caption = (
-        f"As Fig. 3.12: demonstrations (red) in the furnished home, n {len(known)} drives, together about {metres:.0f} "
-        "m, by a simulated expert, by odometry."
+        f"As Fig. 3.12: demonstrations (blue) in the furnished home, n {len(known)} drives, together about "
+        f"{metres:.0f} m, by a simulated expert, by odometry."
     )
     return [Picture(demonstrations_figure([courses[log.name] for log in known], known), caption)]
 

@@ -6,11 +6,23 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import (
+    BASELINE,
+    BLUE,
+    GREEN,
+    INK,
+    METHOD_COLOURS,
+    PAGE,
+    PURPLE,
+    RULE,
+    SKY,
+    VERMILLION,
+    styled,
+)
 from lfdcore.study.handovers.study import LIKELIEST, MEASURES, METHODS, NEAREST, SHARES, WARPED, TaskErrors
 from lfdcore.study.handovers.tables import caption, intervals
 
-COLOURS = ("#c1121f", "#e08e0b", "#b5179e", "#1a1a1a", "#7a828c", "#2563c9", "#1a9850", "#00a6b4")
+COLOURS = (BLUE, PURPLE, SKY, METHOD_COLOURS["IP"], BASELINE, VERMILLION, GREEN, INK)
 """of METHODS"""
 
 
@@ -38,4 +50,4 @@ def _draw_errors(axes: Axes, result: TaskErrors, measure: int, seed: int) -> Non
             axes.fill_between(at, low, high, color=COLOURS[k], alpha=0.14, lw=0)
     axes.set(title=MEASURES[measure], xlabel="of the giver's motion seen [%]", xlim=(0, 100))
     axes.set_ylim(bottom=0)
-    axes.grid(color="#e4e7eb", lw=0.6)
+    axes.grid(color=RULE, lw=0.6)

@@ -7,30 +7,41 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lfdcore.geometry import Footprint
 from lfdcore.grid import OccupancyGrid
 from lfdcore.pictures.course import draw_footprints, draw_grid, every, label_metres
-from lfdcore.pictures.style import PAGE, styled
-from lfdcore.pictures.window import LANDSCAPE
+from lfdcore.pictures.style import (
+    ANOTHER,
+    BASELINE,
+    LANDSCAPE,
+    LEARNED,
+    METHOD_COLOURS,
+    PAGE,
+    REFERENCE,
+    WALL,
+    WAY,
+    series_colour,
+    styled,
+)
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.heatmaps.calibration import CalibrationCheck, Reliability
 from lfdcore.study.heatmaps.comparison import METHODS, ComparedRun
 
 METHOD_NAMES = {"primitives": "primitives (Ch. 3)", "naive": "naive CNN", "heatmaps": "heatmaps (CNN/GP)"}
-_WALL = (0.0, 0.0, 0.0, 0.55)
 
 
 @styled
 def destinations_figure(traces: Sequence[DriveTrace], grid: OccupancyGrid) -> Figure:
-    """All drives in one map, a colour a driver of 10 (Fig. 4.14). A ring is where a drive begins."""
-    figure = Figure(figsize=(6.6, 6.4), layout="compressed")
+    """All drives in one map, a colour a driver (Fig. 4.14). A ring is where a drive begins."""
+    figure = Figure(figsize=(0.63 * PAGE, 0.61 * PAGE), layout="compressed")
     axes = figure.subplots()
     draw_grid(axes, grid)
     for k, trace in enumerate(traces):
-        colour = f"C{k % 10}"
+        colour = series_colour(k)
         axes.plot(*trace.pose[:, :2].T, color=colour, lw=1.1, alpha=0.9, zorder=2)
         axes.plot(*trace.pose[0, :2], "o", color="white", mec=colour, ms=4.5, mew=1.2, zorder=3)
         axes.plot(*trace.pose[-1, :2], "s", color=colour, ms=4.0, mew=0, zorder=3)
@@ -51,7 +62,7 @@ def _draw_concatenated(axes: Axes, run: ComparedRun, method: str) -> None:
     colours = colormaps[LANDSCAPE].with_extremes(bad="white")
     axes.imshow(heat, origin="lower", extent=extent, cmap=colours, vmin=0, vmax=1, interpolation="nearest")
     shade = np.zeros((*grid.data.shape, 4))
-    shade[grid.occupied_mask()] = _WALL
+    shade[grid.occupied_mask()] = to_rgba(WALL, 0.6)
     axes.imshow(shade, origin="lower", extent=extent, interpolation="nearest")
     draw_footprints(axes, every(run.driven, 0.5), Footprint(), "black")
     axes.plot(*run.driven[:, :2].T, color="black", lw=1.2, zorder=3)
@@ -64,9 +75,9 @@ def _draw_concatenated(axes: Axes, run: ComparedRun, method: str) -> None:
 def concatenated_figure(runs: Sequence[ComparedRun]) -> Figure:
     """Concatenated heatmaps: a row a run, a column a method, footprints and way in black (Fig. 4.16)."""
     shapes = [np.ptp(np.array(_shown(run)), axis=1) for run in runs]
-    width = PAGE / len(METHODS)
+    width = (PAGE - 0.8) / len(METHODS)
     heights = [width * float(shape[1] / shape[0]) for shape in shapes]
-    figure = Figure(figsize=(PAGE + 0.8, sum(heights) + 0.5 * len(runs) + 0.3), layout="compressed")
+    figure = Figure(figsize=(PAGE, sum(heights) + 0.5 * len(runs) + 0.3), layout="compressed")
     panels = figure.subplots(len(runs), len(METHODS), squeeze=False, height_ratios=heights)
     for row, run in zip(panels, runs, strict=True):
         for axes, method in zip(row, METHODS, strict=True):
@@ -93,7 +104,7 @@ def median_runs(runs: Sequence[ComparedRun]) -> list[ComparedRun]:
 
 
 def _reliability_axes(axes: Axes, top: float) -> None:
-    axes.plot([0, top], [0, top], color="#8a9099", lw=0.8, ls="--", zorder=1, label="as predicted")
+    axes.plot([0, top], [0, top], color=REFERENCE, lw=0.8, ls="--", zorder=1, label="as predicted")
     axes.set(xlabel="predicted probability", ylabel="share that was crossed", xlim=(0, top), ylim=(0, top))
     axes.set_aspect("equal")
     axes.tick_params(length=2.5, width=0.6)
@@ -112,18 +123,18 @@ def reliability_figure(check: CalibrationCheck) -> Figure:
     constant-rate predictor; C: the table from heat to probability."""
     figure = Figure(figsize=(PAGE, 3.3), layout="compressed")
     a, b, c = figure.subplots(1, 3)
-    _draw_reliability(a, check.raw, "#f0623d", f"heat itself: error {check.raw.error:.3f}")
-    _draw_reliability(a, check.judged, "#1a9850", f"calibrated: error {check.judged.error:.4f}")
+    _draw_reliability(a, check.raw, ANOTHER, f"heat itself: error {check.raw.error:.3f}")
+    _draw_reliability(a, check.judged, LEARNED, f"calibrated: error {check.judged.error:.4f}")
     _reliability_axes(a, 1.0)
     a.set_title("A  all cells, bins of equal width")
     said, happened = check.tenths
     top = 1.1 * float(max(said.max(), happened.max()))
-    b.plot(said, happened, "o-", color="#1a9850", ms=4, lw=1.0, zorder=3, label="calibrated")
+    b.plot(said, happened, "o-", color=LEARNED, ms=4, lw=1.0, zorder=3, label="calibrated")
     rate = check.judged.constant_rate
-    b.plot(rate, check.happened, "D", color="#2563c9", ms=6, zorder=4, label="constant rate")
+    b.plot(rate, check.happened, "D", color=BASELINE, ms=6, zorder=4, label="constant rate")
     _reliability_axes(b, top)
     b.set_title("B  tenths of the cells by probability")
-    c.plot(np.maximum(check.calibration.heat, 1e-3), check.calibration.probability, color="#4a5058", lw=1.2)
+    c.plot(np.maximum(check.calibration.heat, 1e-3), check.calibration.probability, color=WAY, lw=1.2)
     c.set(xscale="log", xlim=(1e-3, 1), xlabel="heat", ylabel="probability", ylim=(0, None))
     c.set_title("C  the calibration")
     for axes in (a, b):
@@ -134,12 +145,12 @@ def reliability_figure(check: CalibrationCheck) -> Figure:
 @styled
 def learning_curves_figure(curves: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> Figure:
     """Of each named network the loss of every epoch on what it was trained on, and on what was held out."""
-    figure = Figure(figsize=(6.4, 3.1), layout="compressed")
+    figure = Figure(figsize=(0.6 * PAGE, 3.1), layout="compressed")
     axes = figure.subplots()
-    for k, (name, (train, held_out)) in enumerate(curves.items()):
+    for name, (train, held_out) in curves.items():
         epochs: NDArray[np.int_] = np.arange(1, len(train) + 1)
-        axes.plot(epochs, train, "--", color=f"C{k}", lw=1.0, label=f"{name}, trained on")
-        axes.plot(epochs, held_out, "o-", color=f"C{k}", ms=3.5, lw=1.3, label=f"{name}, held out")
+        axes.plot(epochs, train, "--", color=METHOD_COLOURS[name], lw=1.0, label=f"{name}, trained on")
+        axes.plot(epochs, held_out, "o-", color=METHOD_COLOURS[name], ms=3.5, lw=1.3, label=f"{name}, held out")
     axes.set(xlabel="epoch", ylabel="cross-entropy of a cell", yscale="log")
     axes.legend(frameon=False)
     return figure

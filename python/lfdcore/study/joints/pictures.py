@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import ANOTHER, BODY, LEARNED, PAGE, UNKNOWN, styled
 from lfdcore.simulated.covering import RIGHT_GRIPPER
 from lfdcore.study.joints.study import GRIPPER, JOINTS, SPACES, JointSpaceRun, ShownArms
 
-COLOURS = {JOINTS: "#c2410c", GRIPPER: "#1d4ed8"}
+COLOURS = {JOINTS: ANOTHER, GRIPPER: LEARNED}
 _STYLES = {JOINTS: "-", GRIPPER: "--"}
 
 
@@ -37,7 +37,7 @@ def joint_space_figure(run: JointSpaceRun) -> Figure:
 def _joint(axes: Axes, shown: ShownArms, joint: int, name: str) -> None:
     share = np.linspace(0, 1, shown.demonstrated.shape[1])
     for k, one in enumerate(shown.demonstrated):
-        axes.plot(share, one[:, joint], color="0.75", linewidth=0.5, label="demonstrations" if k == 0 else None)
+        axes.plot(share, one[:, joint], color=BODY, linewidth=0.5, label="demonstrations" if k == 0 else None)
     mean, spread = shown.joints[JOINTS][:, joint], 2 * shown.deviation[:, joint]
     said, colour = f"{JOINTS}: two standard deviations", COLOURS[JOINTS]
     axes.fill_between(share, mean - spread, mean + spread, color=colour, alpha=0.2, linewidth=0, label=said)
@@ -54,7 +54,7 @@ def _paths(axes: Axes, shown: ShownArms, columns: tuple[int, int], title: str) -
     across, up = columns
     corner = [shown.box.centre[k] - shown.box.size[k] / 2 for k in columns]
     size = [shown.box.size[k] for k in columns]
-    axes.add_patch(Rectangle((corner[0], corner[1]), size[0], size[1], color="0.85", label=shown.covered_object))
+    axes.add_patch(Rectangle((corner[0], corner[1]), size[0], size[1], color=UNKNOWN, label=shown.covered_object))
     axes.plot(RIGHT_GRIPPER[across], RIGHT_GRIPPER[up], "k^", label="right gripper, still")
     path = shown.paths["demonstration"]
     axes.plot(path[:, across], path[:, up], color="black", linewidth=1, label="held-out demonstration")

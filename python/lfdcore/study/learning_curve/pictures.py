@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.course import arm_name
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import METHOD_COLOURS, PAGE, RULE, styled
 from lfdcore.study.learning_curve.curve import CurvePoint, LearningCurve
 from lfdcore.study.learning_curve.study import METHODS, NOBODY
 from lfdcore.study.report.statistics import Summary
@@ -17,7 +17,6 @@ from lfdcore.study.report.statistics import Summary
 Estimate = tuple[float, float, float]
 """figure, and its 95 % interval"""
 
-COLOURS = {"primitives": "#2563c9", "heatmaps": "#d1495b", NOBODY: "#4a5058"}
 MARKS = {"primitives": "o", "heatmaps": "s"}
 _APART = 1.03  # the methods stand side by side
 
@@ -49,7 +48,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
             at,
             value,
             [np.nan_to_num(value - low), np.nan_to_num(high - value)],
-            color=COLOURS[method],
+            color=METHOD_COLOURS[method],
             marker=MARKS[method],
             ms=4,
             lw=1.3,
@@ -60,7 +59,7 @@ def _draw(axes: Axes, points: Sequence[CurvePoint], estimate: Callable[[CurvePoi
         )
     alone = estimate(next(point for point in points if point.method == NOBODY))
     if np.isfinite(alone[0]):
-        axes.axhline(alone[0], color=COLOURS[NOBODY], lw=1.0, ls="--", label="unassisted")
+        axes.axhline(alone[0], color=METHOD_COLOURS[NOBODY], lw=1.0, ls="--", label="unassisted")
 
 
 @styled
@@ -70,7 +69,7 @@ def curve_figure(curve: LearningCurve) -> Figure:
     points = curve.points()
     panels = figure.subplots(1, len(PANELS))
     baseline, error = curve.baseline()
-    line = panels[-1].axhline(error.mean, color=COLOURS[NOBODY], lw=1.0, ls=":")
+    line = panels[-1].axhline(error.mean, color=METHOD_COLOURS[NOBODY], lw=1.0, ls=":")
     for axes, (label, estimate) in zip(panels, PANELS, strict=True):
         _draw(axes, points, estimate)
         axes.set_xscale("log")
@@ -78,7 +77,7 @@ def curve_figure(curve: LearningCurve) -> Figure:
         axes.minorticks_off()
         axes.set(xlabel="runs demonstrated", title=label)
         axes.set_ylim(bottom=0)
-        axes.grid(axis="y", lw=0.4, color="#d0d7de")
+        axes.grid(axis="y", lw=0.4, color=RULE)
         axes.spines[["top", "right"]].set_visible(False)
     handles, names = panels[0].get_legend_handles_labels()
     handles, names = [*handles, line], [*names, f"{baseline} (last panel)"]

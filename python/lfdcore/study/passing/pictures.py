@@ -12,14 +12,14 @@ from matplotlib.patches import Rectangle as Box
 from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import BODY, INK, METHOD_COLOURS, PAGE, REFERENCE, RULE, SEEN, UNKNOWN, WAY, styled
 from lfdcore.simulated.passing import GROUND, MIDDLE, NOVEL, SCREEN, STEPS, TRAINING, Rectangle
 from lfdcore.study.passing.study import AXES, Group, PassingExample, PassingResult
 from lfdcore.study.report.statistics import summarise
 
 Floats = NDArray[np.float64]
-COLOURS = {"IP": "#f0623d", "EaIP": "#1a9850"}
-DEMONSTRATION, GENERATED, MEAN, SEEN, BOX = "#2563c9", "#1a9850", "#0b3d20", "#f39c12", "#c3c8cf"
+ARMS = ("IP", "EaIP")
+DEMONSTRATION, GENERATED, MEAN = BODY, METHOD_COLOURS["EaIP"], INK
 SHOWN = (0, 20, 60, 100)
 """L of Fig. 5.6's rows"""
 _TOP = 180.0
@@ -82,10 +82,10 @@ def _draw_glimpse(
 def _scene(axes: Axes, rectangle: Rectangle, dashed: bool = False) -> None:
     """The rectangle on its ground, y downwards as on a screen."""
     corner = (MIDDLE - rectangle.width / 2, GROUND - rectangle.height)
-    box = Box(corner, rectangle.width, rectangle.height, facecolor=BOX, edgecolor="#4a5058", linewidth=1.0, zorder=1)
+    box = Box(corner, rectangle.width, rectangle.height, facecolor=UNKNOWN, edgecolor=WAY, linewidth=1.0, zorder=1)
     box.set_linestyle((0, (4, 3)) if dashed else "-")
     axes.add_patch(box)
-    axes.axhline(GROUND, color="#8a9099", lw=0.7, zorder=0.5)
+    axes.axhline(GROUND, color=REFERENCE, lw=0.7, zorder=0.5)
     axes.set(xlim=(0, SCREEN[0]), ylim=(GROUND + 15, _TOP), aspect="equal", xticks=(0, 200, 400, 600))
     axes.tick_params(length=2.5, width=0.6)
 
@@ -120,7 +120,8 @@ def distance_figure(result: PassingResult) -> Figure:
 
 def _draw_distances(axes: Axes, result: PassingResult, seen: str, group: Group) -> None:
     lengths = result.study.lengths
-    for arm, colour in COLOURS.items():
+    for arm in ARMS:
+        colour = METHOD_COLOURS[arm]
         by_seed = result.by_seed(result.distance, arm, seen, group)
         summaries = [summarise(column) for column in by_seed.T]
         mean, low, high = (np.array([getattr(s, name) for s in summaries]) for name in ("mean", "low", "high"))
@@ -129,6 +130,6 @@ def _draw_distances(axes: Axes, result: PassingResult, seen: str, group: Group) 
         told = result.by_seed(result.distance, f"{arm}, phase told", seen, group).mean(axis=0)
         axes.plot(lengths, told, ":", color=colour, lw=1.2, label=f"{arm}, phase told", zorder=3)
     floor = float(result.floor_by_seed(group).mean())
-    axes.axhline(floor, color="#59636e", lw=0.8, ls="--", label="two demonstrations", zorder=1)
-    axes.grid(axis="y", lw=0.4, color="#d0d7de")
+    axes.axhline(floor, color=REFERENCE, lw=0.8, ls="--", label="two demonstrations", zorder=1)
+    axes.grid(axis="y", lw=0.4, color=RULE)
     axes.spines[["top", "right"]].set_visible(False)

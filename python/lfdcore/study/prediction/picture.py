@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2, arc_length
 from lfdcore.grid import OccupancyGrid
-from lfdcore.pictures.course import BODY, DISCARDED, FOLLOWED, draw_footprints, draw_grid, every
-from lfdcore.pictures.style import styled
+from lfdcore.pictures.course import draw_footprints, draw_grid, every
+from lfdcore.pictures.style import BODY, DISCARDED, DRIVEN, FOLLOWED, PAGE, UNJUDGED, line_handle, styled
 from lfdcore.study.prediction.path_error import REACH
 from lfdcore.study.prediction.study import LogPrediction, ModelPaths
 
@@ -26,8 +26,6 @@ _SEEN = 10.0  # [m] of each beam that are drawn: far hits smear by odometry's dr
 _SPACING = 0.25  # [m] or 10 degrees between two scans that are drawn
 _LEAST = 2  # scans that must agree
 _SIDE = 4000  # cells at most
-_DRIVEN = "#2563c9"
-_UNJUDGED = "#7b4fa3"
 _MARGIN = 1.5  # [m] around the way and what was near it
 
 
@@ -86,15 +84,15 @@ def _extent(points: Array) -> tuple[Array, Array]:
 
 def draw_prediction(axes: Axes, prediction: LogPrediction, model: str, footprint: Footprint, spacing: float) -> None:
     """Map, footprints, way, and the paths predicted every `spacing` [m] of it: green where compliant, else orange;
-    violet for a model that knows no compliance."""
+    light blue for a model that knows no compliance."""
     log, paths = prediction.log, prediction.models[model]
     draw_grid(axes, scan_map(log))
     driven = log.pose[(log.odometry_stamp >= log.scan_stamp[0]) & (log.odometry_stamp <= log.scan_stamp[-1])]
     draw_footprints(axes, every(driven, 1.0), footprint)
-    axes.plot(*driven[:, :2].T, color=_DRIVEN, lw=1.1, zorder=3)
+    axes.plot(*driven[:, :2].T, color=DRIVEN, lw=1.1, zorder=3)
     shown = _shown(prediction, spacing)
     poses = log.pose_at(log.scan_stamp[prediction.samples.scan[shown]])
-    judged = [(np.ones(paths.deviation.shape, bool), _UNJUDGED)]
+    judged = [(np.ones(paths.deviation.shape, bool), UNJUDGED)]
     if paths.compliant is not None:
         judged = [(~paths.compliant, DISCARDED), (paths.compliant, FOLLOWED)]
     for layer, (wanted, colour) in enumerate(judged, 4):
@@ -128,7 +126,7 @@ def prediction_figure(
         raise ValueError("no log has a sample: there is no prediction to draw")
     columns = min(2, len(panels))
     rows = -(-len(panels) // columns)
-    width = 9.0 if columns == 1 else 7.0
+    width = 0.85 * PAGE if columns == 1 else PAGE / 2
     tall = [width * min(_aspect(prediction), 1.3) + 0.6 for prediction, _ in panels]
     heights = [max(tall[k : k + columns]) for k in range(0, len(tall), columns)]
     figure = Figure(figsize=(columns * width, sum(heights) + 0.5), layout="constrained")
@@ -166,11 +164,11 @@ def _aspect(prediction: LogPrediction) -> float:
 
 
 def _legend(spacing: float, unjudged: bool) -> list[Line2D]:
-    violet = [Line2D([], [], color=_UNJUDGED, label="no compliance known")] if unjudged else []
+    unknown = [line_handle(UNJUDGED, "no compliance known")] if unjudged else []
     return [
-        Line2D([], [], color=_DRIVEN, label="way driven (odometry)"),
-        Line2D([], [], color=BODY, label="footprint, every 1 m"),
-        Line2D([], [], color=FOLLOWED, label=f"predicted every {spacing:g} m: compliant"),
-        Line2D([], [], color=DISCARDED, label="not compliant with any later input"),
-        *violet,
+        line_handle(DRIVEN, "way driven (odometry)"),
+        line_handle(BODY, "footprint, every 1 m"),
+        line_handle(FOLLOWED, f"predicted every {spacing:g} m: compliant"),
+        line_handle(DISCARDED, "not compliant with any later input"),
+        *unknown,
     ]

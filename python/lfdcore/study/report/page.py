@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from lfdcore.pictures.style import Picture, png
+from lfdcore.pictures.style import ALARM, LEARNED, Picture, png
 from lfdcore.study.report.table import Table
 
-STYLE = """
+STYLE = (
+    f":root {{ --result: {LEARNED}; --missed: {ALARM}; }}"
+    + """
 body { font: 16px/1.5 "DejaVu Sans", system-ui, sans-serif; color: #1f2328; max-width: 1200px; margin: 2rem auto;
   padding: 0 1rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.2rem; border-bottom: 1px solid #d0d7de; }
@@ -22,14 +24,15 @@ th, td { padding: .3rem .55rem; border-bottom: 1px solid #e4e7eb; text-align: ri
   vertical-align: top; font-variant-numeric: tabular-nums; }
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
-small b { color: #b3261e; } th small { font-size: .92em; color: #3d444d; }
+small b { color: var(--missed); } th small { font-size: .92em; color: #3d444d; }
 code { font: .92em "DejaVu Sans Mono", monospace; }
-.lead { font-weight: 600; border-left: 4px solid #1a9850; padding: .1rem 0 .1rem .8rem; }
+.lead { font-weight: 600; border-left: 4px solid var(--result); padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
 img { max-width: 100%; height: auto; }
 @media print { body { max-width: none; margin: 0; } figure, table { break-inside: avoid; } }
 """
+)
 
 
 SIGNS = {"+-": " &plusmn; ", "-&gt;": "&rarr;", "&gt;=": "&ge;", "&lt;=": "&le;", "MISSED": "<b>MISSED</b>"}

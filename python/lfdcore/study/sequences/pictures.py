@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from lfdcore.pictures.style import PAGE, styled
+from lfdcore.pictures.style import PAGE, REFERENCE, RULE, SERIES, styled
 from lfdcore.study.sequences.study import QUESTIONS, SHARES, SequenceResult
 
-COLOURS = {"tasks": "#1a9850", "foreign": "#2563c9", "switches": "#c1121f"}
-"""of QUESTIONS"""
+COLOURS = dict(zip(QUESTIONS, SERIES, strict=False))
 
 
 @styled
@@ -22,8 +21,8 @@ def sequence_figure(result: SequenceResult) -> Figure:
         right, low, high = result.right(what)
         axes.plot(at, 100 * right, "o-", color=COLOURS[what], ms=3.5, lw=1.6, label=words)
         axes.fill_between(at, 100 * low, 100 * high, color=COLOURS[what], alpha=0.14, lw=0)
-    axes.axhline(90, color="#59636e", lw=0.8, ls=":")
+    axes.axhline(90, color=REFERENCE, lw=0.8, ls=":")
     axes.set(xlabel="of the motion seen [%]", ylabel="right answers [%]", xlim=(0, 100), ylim=(0, 102))
-    axes.grid(color="#e4e7eb", lw=0.6)
+    axes.grid(color=RULE, lw=0.6)
     axes.legend(loc="lower right")
     return figure
