@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from lfdcore.geometry import Footprint
-from lfdcore.wheelchair.beams import WINDOW
+from lfdcore.wheelchair.window import WINDOW
 
 Array = NDArray[np.float64]
 
