@@ -14,9 +14,9 @@ from lfdcore.datasets import joystick_from_motion, open_log
 from lfdcore.grid import local_grid
 from lfdcore.pictures.window import draw_stick, draw_window, front_axes
 from lfdcore.planning import MovementTemplate, joystick_orientation, user_heatmap
-from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import ChairGeometry, observations
+from lfdcore.wheelchair.window import WINDOW
 
 model = HeatmapModel.load(sys.argv[1])
 log = joystick_from_motion(open_log(sys.argv[2]))  # a recorded joystick is left alone

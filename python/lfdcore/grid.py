@@ -10,6 +10,7 @@ from lfdcore._core.grid import (
     distance_field,
     inflate,
     local_grid,
+    read_beams,
 )
 
 __all__ = [
@@ -22,4 +23,5 @@ __all__ = [
     "distance_field",
     "inflate",
     "local_grid",
+    "read_beams",
 ]

@@ -1,5 +1,6 @@
 #include "common.hpp"
 #include "fields.hpp"
+#include "lfdcore/error.hpp"
 #include "lfdcore/grid/distance_field.hpp"
 #include "lfdcore/grid/grid.hpp"
 #include "lfdcore/grid/heatmap_map.hpp"
@@ -60,7 +61,8 @@ void bind_occupancy_grid(py::module_& m) {
 void bind_laser_scan(py::module_& m) {
   py::class_<LaserScan>(m, "LaserScan",
                         "One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing "
-                        "within range_max, NaN = no measurement (REP-117); angles [rad] in the laser's frame.")
+                        "within range_max, -inf = closer than range_min, NaN = no measurement (REP-117; read_beams); "
+                        "angles [rad] in the laser's frame.")
       .def(py::init([](std::vector<float> ranges, double angle_min, double angle_increment, double range_min,
                        double range_max) {
              LaserScan scan{std::move(ranges), angle_min, angle_increment, range_min, range_max};
@@ -110,13 +112,50 @@ void bind_obstacle_points(py::module_& m) {
                       [](const py::tuple& t) { return ObstaclePoints(t[0].cast<Path>()); }));
 }
 
+using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+std::pair<py::array_t<double>, py::array_t<bool>> beams_of(const Ranges& ranges, double range_min, double range_max) {
+  require(ranges.ndim() > 0, "ranges has 0 dimensions, must have at least 1: (..., B)");
+  const std::vector<py::ssize_t> shape(ranges.shape(), ranges.shape() + ranges.ndim());
+  py::array_t<double> lengths(shape);
+  py::array_t<bool> hit(shape);
+  const auto count = static_cast<std::size_t>(ranges.size());
+  const std::span<const float> from(ranges.data(), count);
+  const std::span<double> to(lengths.mutable_data(), count);
+  const std::span<bool> ended(hit.mutable_data(), count);
+  {
+    py::gil_scoped_release release;
+    read_beams(from, range_min, range_max, to, ended);
+  }
+  return {lengths, hit};
+}
+
+void bind_read_beams(py::module_& m) {
+  m.def(
+      "read_beams", &beams_of, py::arg("ranges"), py::arg("range_min"), py::arg("range_max"),
+      "What ranges mean (REP-117) -> lengths float64 [m], hit bool, both of the shape of `ranges`.\n\n"
+      "ranges (..., B) float32 [m]: of one scan or of many; range_min, range_max [m] of the scanner. The space\n"
+      "along a beam is free up to its length; if it hit, something is there:\n\n"
+      "- finite, in [range_min, range_max): a hit there (with a range_min of 0, 0 is a hit at the laser);\n"
+      "- +inf, or at least range_max: free up to range_max, no hit;\n"
+      "- -inf: closer than the scanner can tell, taken to be a hit at range_min;\n"
+      "- NaN, or finite and below range_min: nothing was measured: length 0, no hit.\n\n"
+      "ValueError unless 0 <= range_min <= 1000 m and range_min < range_max, finite; for ranges without a dimension.");
+  m.def(
+      "read_beams",
+      [](const LaserScan& scan) {
+        const py::ssize_t beams = static_cast<py::ssize_t>(scan.ranges.size());
+        return beams_of(Ranges(beams, scan.ranges.data()), scan.range_min, scan.range_max);
+      },
+      py::arg("scan"), "The same of one scan -> lengths (B,) float64 [m], hit (B,) bool.");
+}
+
 void bind_scan_mapping(py::module_& m) {
   m.def(
       "local_grid", &local_grid, py::arg("scan"), py::arg("T_base_laser"), without_gil(),
       "What one scan shows of the window around base_link -> OccupancyGrid of 100 x 100 cells of 0.05 m (Sec. 3.3).\n\n"
       "Cells along a beam are free (0), the cell at its end is occupied (100, which wins), all others unknown (-1);\n"
-      "only the edges of obstacles are seen. Ranges (REP-117): in [range_min, range_max) a hit; +inf or at least\n"
-      "range_max free up to range_max; -inf an obstacle at range_min; NaN and finite ones below range_min ignored.\n"
+      "only the edges of obstacles are seen. What a range means: see read_beams.\n"
       "ValueError for an invalid scan or a pose that is not finite.");
 }
 
@@ -205,6 +244,7 @@ void bind_grid(py::module_& m) {
   bind_occupancy_grid(m);
   bind_laser_scan(m);
   bind_obstacle_points(m);
+  bind_read_beams(m);
   bind_scan_mapping(m);
   bind_rolling_map(m);
   bind_distance_field(m);

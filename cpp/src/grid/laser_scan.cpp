@@ -4,17 +4,21 @@
 
 namespace lfdcore {
 
+void require_range_limits(double range_min, double range_max) {
+  require_between("scan range_min", range_min, 0, 1e3, "m");
+  require_positive("scan range_max", range_max, "m");
+  if (range_max > range_min) return;
+  throw std::invalid_argument("scan range_max is " + std::to_string(range_max) + " m, must exceed range_min, " +
+                              std::to_string(range_min) + " m");
+}
+
 void validate(const LaserScan& scan) {
   require(!scan.ranges.empty(), "a scan has 0 beams, must have at least 1");
   require_finite("scan angle_min", scan.angle_min, "rad");
   require_finite("scan angle_increment", scan.angle_increment, "rad");
   require(scan.angle_increment != 0, "scan angle_increment is 0 rad, must not be 0");
   require_finite("angle of the scan's last beam", scan.angle(scan.ranges.size() - 1), "rad");
-  require_between("scan range_min", scan.range_min, 0, 1e3, "m");
-  require_positive("scan range_max", scan.range_max, "m");
-  if (scan.range_max > scan.range_min) return;
-  throw std::invalid_argument("scan range_max is " + std::to_string(scan.range_max) + " m, must exceed range_min, " +
-                              std::to_string(scan.range_min) + " m");
+  require_range_limits(scan.range_min, scan.range_max);
 }
 
 }  // namespace lfdcore

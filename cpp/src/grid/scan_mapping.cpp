@@ -7,12 +7,22 @@
 
 namespace lfdcore {
 
-Beam read_beam(const LaserScan& scan, std::size_t index) {
-  const double range = scan.ranges[index];
-  if (range >= scan.range_max) return {scan.range_max, false};
-  if (range >= scan.range_min) return {range, true};
-  if (range == -std::numeric_limits<double>::infinity()) return {scan.range_min, true};
+Beam read_beam(double range, double range_min, double range_max) {
+  if (range >= range_max) return {range_max, false};
+  if (range >= range_min) return {range, true};
+  if (range == -std::numeric_limits<double>::infinity()) return {range_min, true};
   return {};
+}
+
+void read_beams(std::span<const float> ranges, double range_min, double range_max, std::span<double> lengths,
+                std::span<bool> hit) {
+  require_range_limits(range_min, range_max);
+  require(lengths.size() == ranges.size() && hit.size() == ranges.size(), "lengths and hit must be as many as ranges");
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const Beam beam = read_beam(ranges[i], range_min, range_max);
+    lengths[i] = beam.length;
+    hit[i] = beam.hit;
+  }
 }
 
 OccupancyGrid local_grid(const LaserScan& scan, const Pose2& T_base_laser) {

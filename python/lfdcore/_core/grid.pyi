@@ -19,6 +19,7 @@ __all__: list[str] = [
     "distance_field",
     "inflate",
     "local_grid",
+    "read_beams",
 ]
 
 class OccupancyGrid:
@@ -76,7 +77,7 @@ class OccupancyGrid:
 
 class LaserScan:
     """
-    One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing within range_max, NaN = no measurement (REP-117); angles [rad] in the laser's frame.
+    One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing within range_max, -inf = closer than range_min, NaN = no measurement (REP-117; read_beams); angles [rad] in the laser's frame.
     """
 
     def __init__(
@@ -260,7 +261,30 @@ def local_grid(scan: LaserScan, T_base_laser: lfdcore._core.geometry.Pose2) -> O
     What one scan shows of the window around base_link -> OccupancyGrid of 100 x 100 cells of 0.05 m (Sec. 3.3).
 
     Cells along a beam are free (0), the cell at its end is occupied (100, which wins), all others unknown (-1);
-    only the edges of obstacles are seen. Ranges (REP-117): in [range_min, range_max) a hit; +inf or at least
-    range_max free up to range_max; -inf an obstacle at range_min; NaN and finite ones below range_min ignored.
+    only the edges of obstacles are seen. What a range means: see read_beams.
     ValueError for an invalid scan or a pose that is not finite.
+    """
+
+@typing.overload
+def read_beams(
+    ranges: numpy.typing.ArrayLike, range_min: float, range_max: float
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.bool]]:
+    """
+    What ranges mean (REP-117) -> lengths float64 [m], hit bool, both of the shape of `ranges`.
+
+    ranges (..., B) float32 [m]: of one scan or of many; range_min, range_max [m] of the scanner. The space
+    along a beam is free up to its length; if it hit, something is there:
+
+    - finite, in [range_min, range_max): a hit there (with a range_min of 0, 0 is a hit at the laser);
+    - +inf, or at least range_max: free up to range_max, no hit;
+    - -inf: closer than the scanner can tell, taken to be a hit at range_min;
+    - NaN, or finite and below range_min: nothing was measured: length 0, no hit.
+
+    ValueError unless 0 <= range_min <= 1000 m and range_min < range_max, finite; for ranges without a dimension.
+    """
+
+@typing.overload
+def read_beams(scan: LaserScan) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.bool]]:
+    """
+    The same of one scan -> lengths (B,) float64 [m], hit (B,) bool.
     """

@@ -59,7 +59,7 @@ def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | Non
     readings = np.array(lines.scans)
     finite = readings[np.isfinite(readings)]
     far = _FAR if finite.size and finite.max() > 51.2 else _NEAR
-    far = far if range_max is None else range_max
+    far = far if range_max is None else range_max  # CARMEN gives a number from here on where REP-117 has inf
     beams = readings.shape[1]
     odometry = lines.sorted_odometry()
     lines.dropped["ODOM not forward in time"] = len(lines.odometry) - len(odometry)

@@ -84,7 +84,8 @@ class DriveLog:
 
     ValueError for arrays whose shapes do not fit together, stamps that are not finite or go back, poses, twists or
     commands that are not finite, poses beyond 1e7 m, negative ranges, joystick values outside [-1, 1]. Ranges follow
-    REP-117: inf is nothing within range_max, NaN no measurement. Headings are made continuous (unwrapped).
+    REP-117: inf is nothing within range_max, -inf too close, NaN no measurement (lfdcore.grid.read_beams). Headings are
+    made continuous (unwrapped).
     """
 
     scan_stamp: Array

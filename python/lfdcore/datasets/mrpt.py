@@ -188,6 +188,7 @@ class _Archive:
         if beams < 2:
             raise ValueError(f"a scan of {beams} beams, must have at least 2")
         side = 1 if right_to_left else -1
+        # MRPT has a flag where REP-117 has words. A beam without the flag says nothing, unless it reached range_max.
         missing = np.where(ranges >= range_max, np.inf, np.nan).astype(np.float32)
         ranges = np.where(valid & (ranges < range_max), ranges, missing)
         return _Scan(ticks, ranges, -side * aperture / 2, side * aperture / (beams - 1), range_max, mounting)

@@ -15,6 +15,7 @@ from lfdcore.datasets import ros_messages as ros
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
+from lfdcore.grid import read_beams
 
 Row = tuple[float, ...]
 
@@ -45,8 +46,9 @@ def read_rosbag(
     broken. `joystick_axes` are the indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
     T_base_laser is what the bag's static transforms say from the odometry's child frame to the scans' frame, unless
     told; the identity where they say nothing (the metadata tell which). Stamps are the headers' where they have any,
-    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges below
-    range_min are NaN, above range_max inf.
+    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges stay
+    as they are where the scanner measured something; else they become REP-117's words for what lfdcore.grid.read_beams
+    says of them: NaN for finite ones below range_min, inf from range_max on.
     """
     path = Path(path)
     if not path.exists():
@@ -195,10 +197,7 @@ def _scans(messages: list[tuple[int, Any]], epoch: int) -> dict[str, Any]:
         if len(scan.ranges) != len(first.ranges):
             at = (stamp - epoch) / 1e9
             raise ValueError(f"the scan at {at} s has {len(scan.ranges)} beams, the first has {len(first.ranges)}")
-        read = np.array(scan.ranges, np.float32)
-        read[read < scan.range_min] = np.nan
-        read[read > scan.range_max] = np.inf
-        ranges.append(read)
+        ranges.append(_ranges(scan))
     return {
         "scan_stamp": np.array([(stamp - epoch) / 1e9 for stamp, _ in messages]),
         "ranges": np.stack(ranges),
@@ -207,3 +206,16 @@ def _scans(messages: list[tuple[int, Any]], epoch: int) -> dict[str, Any]:
         "range_min": float(first.range_min),
         "range_max": float(first.range_max),
     }
+
+
+def _ranges(scan: Any) -> NDArray[np.float32]:
+    """A message's ranges (B,) [m] in the words of REP-117.
+
+    Drivers from before REP-117 give a number below range_min for no measurement, and one from range_max on for nothing
+    there. Only the message's limits show that, and the log keeps those of its first message alone. So these numbers
+    become NaN and inf here, which mean the same under any limits. What hit something stays bit by bit, -inf (too close)
+    included.
+    """
+    ranges = np.array(scan.ranges, np.float32)
+    lengths, hit = read_beams(ranges, scan.range_min, scan.range_max)
+    return np.where(hit, ranges, np.where(lengths > 0, np.float32(np.inf), np.float32(np.nan)))

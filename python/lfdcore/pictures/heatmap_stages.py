@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import way_ahead
 from lfdcore.geometry import Footprint, MotionLimits, Pose2
-from lfdcore.grid import LaserScan, OccupancyGrid
+from lfdcore.grid import LaserScan, OccupancyGrid, read_beams
 from lfdcore.pictures.style import BODY, DIRECTIONS, INK, LANDSCAPE, PAGE, UNKNOWN, WALL, Picture, styled
 from lfdcore.pictures.window import (
     cover_cells,
@@ -38,11 +38,12 @@ from lfdcore.planning import (
     user_heatmap,
 )
 from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
+from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPath, HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.surroundings import Surroundings
+from lfdcore.wheelchair.window import WINDOW
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ def _heat(axes: Axes, heat: NDArray[np.floating], title: str, stick: Sequence[fl
 
 def _draw_hits(axes: Axes, scan: LaserScan, T_base_laser: Pose2) -> None:
     beams = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
-    hits = beams.hits(scan.ranges, scan.range_max)
+    hits = beams.hits(*read_beams(scan))
     axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.0, mew=0, zorder=2)
 
 

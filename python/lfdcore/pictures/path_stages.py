@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2
+from lfdcore.grid import read_beams
 from lfdcore.pictures.course import every, outlines
 from lfdcore.pictures.moments import Moment, telling_moments
 from lfdcore.pictures.path_primitives import primitives_figure
@@ -49,11 +50,12 @@ from lfdcore.pictures.window import (
 )
 from lfdcore.planning import DppSolver, GreedyPath, GridMdp, RewardConfig, greedy_path
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry
+from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.drivable_path import START
 from lfdcore.wheelchair.primitives.compliance import ComplianceModel
 from lfdcore.wheelchair.primitives.local_paths import REASONS, LocalPaths, beam_geometry, extract_local_paths
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.window import WINDOW
 
 Array = NDArray[np.float64]
 
@@ -89,7 +91,7 @@ def _drive_around(log: DriveLog, stamp: float, before: float = 8.0, after: float
 def _draw_local_path(axes: Axes, log: DriveLog, paths: LocalPaths, index: int, beams: BeamGeometry) -> None:
     scan = int(np.searchsorted(log.scan_stamp, paths.stamp[index]))
     goal, laser = paths.goal[index], log.T_base_laser
-    hits = beams.hits(log.ranges[scan], log.range_max)
+    hits = beams.hits(*read_beams(log.scan(scan)))
     beam = int(beams.locate(goal[None])[0][0])
     angle = laser.yaw + log.angle_min + beam * log.angle_increment
     end = np.array([laser.x, laser.y]) + paths.beam_range[index] * np.array([np.cos(angle), np.sin(angle)])
@@ -127,12 +129,12 @@ def _draw_scan(axes: Axes, moment: Moment) -> None:
     scan, laser = moment.observation.scan, moment.chair.T_base_laser
     beams = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, laser)
     angle = laser.yaw + scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    ranges = np.minimum(np.nan_to_num(scan.ranges, nan=0.0, posinf=scan.range_max), 12.0)
+    lengths, hit = read_beams(scan)
     start = np.array([laser.x, laser.y])
-    ends = start + ranges[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1)
+    ends = start + np.minimum(lengths, 12.0)[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1)
     rays = [np.array([start[::-1], end[::-1]]) for end in ends[::2]]
     axes.add_collection(LineCollection(rays, colors=BEAM, linewidths=0.5, alpha=0.6, zorder=1))
-    hits = beams.hits(scan.ranges, scan.range_max)
+    hits = beams.hits(lengths, hit)
     axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.5, mew=0, zorder=2)
     known = moment.obstacles.points
     axes.plot(known[:, 1], known[:, 0], ".", color=FAINT, ms=2.5, mew=0, zorder=1.5)

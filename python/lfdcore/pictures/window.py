@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lfdcore.geometry import Footprint
 from lfdcore.pictures.style import BODY, INK, PLANNED, STICK, WAY, translucent
-from lfdcore.wheelchair.beams import WINDOW
+from lfdcore.wheelchair.window import WINDOW
 
 Array = NDArray[np.float64]
 

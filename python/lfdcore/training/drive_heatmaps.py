@@ -16,10 +16,10 @@ from lfdcore.geometry import arc_length
 from lfdcore.training.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
 from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
 from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
-from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel, JoystickModelConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
+from lfdcore.wheelchair.window import WINDOW
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""

@@ -31,8 +31,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import local_grid
-from lfdcore.wheelchair.beams import WINDOW
-from lfdcore.wheelchair.window import CELLS, RESOLUTION, free_mask, squashed
+from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW, free_mask, squashed
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

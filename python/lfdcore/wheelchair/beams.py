@@ -1,44 +1,12 @@
-"""Which beam of a scan covers a place, and how far it sees inside the local window (Sec. 3.3)."""
+"""Which beam of a scan covers a place, and where beams end (Sec. 3.3)."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import Pose2
-
-WINDOW = 2.5
-"""Half the side of the local window [m]: x and y in base_link lie within +-WINDOW (Sec. 3.2: 5 m square)."""
+from lfdcore.geometry import Pose2, wrap_angle
+from lfdcore.wheelchair.window import WINDOW
 
 Floats = NDArray[np.float64]
-
-
-def clean_ranges(ranges: NDArray[np.floating], range_min: float, range_max: float) -> Floats | None:
-    """Ranges (B,) or (S, B) [m] as numbers that can be compared; None if no beam measured anything.
-
-    +inf or beyond range_max: range_max (nothing seen). -inf, or below range_min: range_min (REP-117: closer than the
-    sensor can tell). NaN or a negative number is no measurement: the nearest beam of that scan that has one stands in
-    (ties: the lower index). A row of (S, B) without any measurement becomes 0 everywhere: nothing is visible in it.
-    """
-    values = np.asarray(ranges, dtype=np.float64)
-    if values.ndim == 0 or values.shape[-1] == 0:
-        raise ValueError("a scan has 0 beams, at least 1 is needed")
-    missing = np.isnan(values) | ((values < 0) & ~np.isneginf(values))
-    if missing.ndim == 1 and missing.all():
-        return None
-    values = np.clip(np.where(missing, 0.0, values), range_min, range_max)
-    return _fill(values, missing) if missing.any() else values
-
-
-def _fill(values: Floats, missing: NDArray[np.bool_]) -> Floats:
-    for row, gaps in zip(np.atleast_2d(values), np.atleast_2d(missing), strict=True):
-        if gaps.all():
-            row[:] = 0.0
-        elif gaps.any():
-            known = np.flatnonzero(~gaps)
-            after = np.searchsorted(known, np.arange(len(row)))
-            low, high = known[np.maximum(after - 1, 0)], known[np.minimum(after, len(known) - 1)]
-            index = np.arange(len(row))
-            row[:] = row[np.where(np.abs(index - low) <= np.abs(high - index), low, high)]
-    return values
 
 
 class BeamGeometry:
@@ -70,11 +38,13 @@ class BeamGeometry:
             to_lines = np.abs((np.copysign(WINDOW, self._directions) - laser) / self._directions)
         return np.asarray(to_lines.min(axis=1))
 
-    def hits(self, ranges: NDArray[np.floating], range_max: float) -> Floats:
-        """Where the beams of one scan (B,) [m] ended on something -> (M, 2) [m] in base_link."""
-        hit = (ranges > 0) & (ranges < range_max)  # neither NaN nor inf
+    def hits(self, lengths: Floats, hit: NDArray[np.bool_]) -> Floats:
+        """Where the beams of one scan ended on something -> (M, 2) [m] in base_link.
+
+        lengths (B,) [m] and hit (B,): as lfdcore.grid.read_beams reads the scan.
+        """
         laser = np.array([self.T_base_laser.x, self.T_base_laser.y])
-        return np.asarray(laser + ranges[hit, None].astype(np.float64) * self._directions[hit])
+        return np.asarray(laser + lengths[hit, None] * self._directions[hit])
 
     def locate(self, points: Floats) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
         """Points (N, 2) [m] in base_link -> beam (N,), distance from the laser (N,) [m], inside its field of view (N,).
@@ -85,8 +55,7 @@ class BeamGeometry:
         local = self._T_laser_base.transform(points)
         angle = np.arctan2(local[:, 1], local[:, 0])
         middle = self.angle_min + self.angle_increment * (self.beams - 1) / 2
-        off = (angle - middle + np.pi) % (2 * np.pi) - np.pi
-        wanted = off / self.angle_increment + (self.beams - 1) / 2
+        wanted = wrap_angle(angle - middle) / self.angle_increment + (self.beams - 1) / 2
         beam = np.clip(np.rint(wanted), 0, self.beams - 1).astype(np.intp)
         inside = (wanted > -0.5 - 1e-9) & (wanted < self.beams - 0.5 + 1e-9)
         return beam, np.hypot(local[:, 0], local[:, 1]), inside

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.beams import WINDOW
-
+WINDOW = 2.5
+"""Half the side of the local window [m]: x and y in base_link lie within +-WINDOW (Sec. 3.2: 5 m square)."""
 CELLS = 100
 RESOLUTION = 2 * WINDOW / CELLS
 """[m]"""

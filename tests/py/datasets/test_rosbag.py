@@ -17,7 +17,7 @@ from lfdcore.datasets import DriveLog, open_log, read_rosbag
 from lfdcore.datasets import ros_messages as ros
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, Twist2
-from lfdcore.grid import LaserScan
+from lfdcore.grid import LaserScan, read_beams
 
 EPOCH = 1_700_000_000_000_000_000
 SCAN = LaserScan([0.05, 1.0, 40.0, np.inf], -1.5, 1.0, 0.1, 30.0)
@@ -112,6 +112,36 @@ def test_every_kind_of_bag_gives_the_same_drive(tmp_path: Path, kind: str) -> No
     assert log.metadata["scan topic"] == "/base_scan"
     assert log.metadata["epoch [ns]"] == str(EPOCH)
     assert (log.angle_min, log.range_max) == (-1.5, 30)
+
+
+def scans_of(*scans: LaserScan) -> Messages:
+    """A drive with these scans in place of its own."""
+    rest = [one for one in drive() if one[0] != "/base_scan"]
+    times = [EPOCH + k * 100_000_000 for k in range(len(scans))]
+    own = [
+        ("/base_scan", "sensor_msgs/msg/LaserScan", at, ros.scan_message(at, scan))
+        for at, scan in zip(times, scans, strict=True)
+    ]
+    return rest + own
+
+
+def test_what_rep_117_says_of_a_range_is_neither_lost_nor_made_up(tmp_path: Path) -> None:
+    nan, inf = np.nan, np.inf
+    ranges = np.array([nan, -inf, inf, 0, -3, 0.125, 0.25, 2, 8, 40], np.float32)
+    scan = LaserScan(ranges, -1.5, 0.1, 0.25, 8.0)
+    log = read_rosbag(write_ros2(tmp_path / "drive", scans_of(scan)))
+    kept = np.array([nan, -inf, inf, nan, nan, nan, 0.25, 2, inf, inf], np.float32)
+    np.testing.assert_array_equal(log.ranges[0], kept)
+    for read, meant in zip(read_beams(log.scan(0)), read_beams(scan), strict=True):
+        np.testing.assert_array_equal(read, meant)
+
+
+def test_a_range_is_judged_by_the_limits_of_its_own_message(tmp_path: Path) -> None:
+    """The log keeps the limits of the first."""
+    ranges = np.array([0.5, 2, 5, 20], np.float32)
+    far, near = LaserScan(ranges, -1.5, 0.1, 0.25, 30.0), LaserScan(ranges, -1.5, 0.1, 1.0, 4.0)
+    log = read_rosbag(write_ros2(tmp_path / "drive", scans_of(far, near)))
+    np.testing.assert_array_equal(log.ranges, np.array([ranges, [np.nan, 2, np.inf, np.inf]], np.float32))
 
 
 def test_two_topics_of_a_type_are_an_error_that_names_them_until_one_is_chosen(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""local_grid against brute-force geometry, and its laws."""
+"""read_beams: what each kind of range means. local_grid against brute-force geometry, and its laws."""
 
 import math
 
@@ -9,9 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lfdcore.geometry import Pose2
-from lfdcore.grid import LaserScan, local_grid
+from lfdcore.grid import LaserScan, local_grid, read_beams
 
 ON_THE_CHAIR = Pose2(0.70, 0.003, 0.0)
+
+
+NEAREST, FARTHEST = 0.25, 8.0
+RANGES = np.array([np.nan, -np.inf, np.inf, 0, -3, 0.125, 0.25, 2, 8, 40], np.float32)
+"""every kind that a scanner of .25 to 8 m may give"""
+LENGTHS = [0, 0.25, 8, 0, 0, 0, 0.25, 2, 8, 8]
+HIT = [False, True, False, False, False, False, True, True, False, False]
 
 
 def scan_of(ranges: npt.ArrayLike, field_of_view: float = math.pi, range_max: float = 30.0) -> LaserScan:
@@ -50,6 +57,45 @@ def grid_by_dense_sampling(scan: LaserScan, pose: Pose2) -> tuple[npt.NDArray[np
         if 0 <= ix < 100 and 0 <= iy < 100:
             loose[iy, ix] = strict[iy, ix] = 100
     return loose, strict
+
+
+def test_every_kind_of_range_has_one_meaning() -> None:
+    lengths, hit = read_beams(RANGES, NEAREST, FARTHEST)
+    assert (lengths.dtype, hit.dtype) == (np.float64, np.bool_)
+    assert lengths.tolist() == LENGTHS
+    assert hit.tolist() == HIT
+
+
+def test_0_is_a_hit_where_the_scanner_measures_from_0_on() -> None:
+    lengths, hit = read_beams(np.array([0.0, -0.5], np.float32), 0.0, FARTHEST)
+    assert lengths.tolist() == [0, 0]
+    assert hit.tolist() == [True, False]
+
+
+def test_many_scans_are_read_as_each_alone_and_a_scan_by_its_own_limits() -> None:
+    rolled = np.array([np.roll(RANGES, k) for k in range(6)])
+    for ranges in (rolled, rolled.reshape(2, 3, -1), rolled[:, ::2], rolled[:0]):
+        lengths, hit = read_beams(ranges, NEAREST, FARTHEST)
+        assert lengths.shape == hit.shape == ranges.shape
+        for index in np.ndindex(ranges.shape[:-1]):
+            scan = LaserScan(ranges[index], 0.0, 0.1, NEAREST, FARTHEST)
+            alone, alone_hit = read_beams(scan)
+            np.testing.assert_array_equal(lengths[index], alone)
+            np.testing.assert_array_equal(hit[index], alone_hit)
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [((-0.1, 8), "range_min is -0.1 m"), ((8, 8), "range_max is 8"), ((0, math.inf), "range_max is inf")],
+)
+def test_limits_that_no_scanner_has_are_refused_by_name(limits: tuple[float, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        read_beams(RANGES, *limits)
+
+
+def test_a_number_is_no_scan() -> None:
+    with pytest.raises(ValueError, match="0 dimensions"):
+        read_beams(np.array(1.0, np.float32), NEAREST, FARTHEST)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -23,10 +23,16 @@ from lfdcore import __version__
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint
+from lfdcore.grid import LaserScan
 from lfdcore.pictures.course import course_figure, demonstrations_figure, every, outlines, split_plans
 from lfdcore.pictures.moments import telling_moments
 from lfdcore.pictures.path_primitives import bin_heading, primitives_figure
-from lfdcore.pictures.path_stages import example_paths, planning_figure, stage_figures
+from lfdcore.pictures.path_stages import (
+    example_paths,
+    intention_figure,
+    planning_figure,
+    stage_figures,
+)
 from lfdcore.pictures.style import PLANNED, png
 from lfdcore.simulated.courses import campus, doorway_and_docking, home
 from lfdcore.simulated.drivers import ExpertDriver, ImpairedDriver
@@ -196,6 +202,16 @@ def test_moments_are_the_same_for_the_same_log(model: DriveAssistantModel, log: 
     assert {k: m.observation.stamp for k, m in first.items()} == {k: m.observation.stamp for k, m in again.items()}
     for source, moment in first.items():
         assert moment.planned.source == source
+
+
+def test_the_rays_of_a_scan_end_where_its_beams_do(model: DriveAssistantModel, log: DriveLog) -> None:
+    moment = next(iter(telling_moments(model, log, extract_local_paths(log)).values()))
+    scan = LaserScan(np.tile(np.float32([-np.inf, np.nan, 0.125, 2.0, np.inf]), 36), -np.pi / 2, np.pi / 180, 0.25, 8.0)
+    axes = intention_figure(replace(moment, observation=replace(moment.observation, scan=scan))).axes[0]
+    rays = np.array(next(one for one in axes.collections if isinstance(one, LineCollection)).get_segments())
+    lengths = np.hypot(*np.diff(rays, axis=1)[:, 0].T)  # of every second beam
+    np.testing.assert_allclose(lengths[:5], [0.25, 0.0, 8.0, 0.0, 2.0], atol=1e-6)
+    assert any(len(line.get_xdata()) == 72 for line in axes.lines)  # the hits: -inf and 2 m
 
 
 def test_the_drawn_dpp_path_is_the_planned_one_where_the_planner_kept_it(

@@ -18,8 +18,11 @@ struct LaserScan {
   double angle(std::size_t beam) const { return angle_min + static_cast<double>(beam) * angle_increment; }
 };
 
-/// Throws std::invalid_argument for a scan without beams, with a zero or non-finite increment, or range_max <=
-/// range_min.
+/// Throws std::invalid_argument unless 0 <= range_min <= 1000 m and range_min < range_max, which is finite.
+void require_range_limits(double range_min, double range_max);
+
+/// Throws std::invalid_argument for a scan without beams, with a zero or non-finite increment, or
+/// range limits that require_range_limits refuses.
 void validate(const LaserScan& scan);
 
 }  // namespace lfdcore

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionModel
-from lfdcore.geometry import Pose2
+from lfdcore.geometry import Pose2, wrap_angle
 from lfdcore.simulated.courses import GoalWorld, goal_building, goals_in_map
 from lfdcore.study.goals.drives import SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.evaluation import (
@@ -244,8 +244,7 @@ def _localised(drives: GoalDrives, tell: Progress) -> tuple[Floats, list[GoalSam
         blind = replace(log, map_stamp=np.zeros(0), map_odom=np.zeros((0, 3)))
         matched = with_map_poses(blind, drives.world.grid, Pose2(*truth[0].tolist()))
         off = matched.map_pose_at(log.scan_stamp) - truth
-        turned = np.arctan2(np.sin(off[:, 2]), np.cos(off[:, 2]))
-        errors.append(np.column_stack([np.hypot(off[:, 0], off[:, 1]), np.abs(turned)]))
+        errors.append(np.column_stack([np.hypot(off[:, 0], off[:, 1]), np.abs(wrap_angle(off[:, 2]))]))
         samples.append(drive_samples(matched, drives.world.goals.index(log.metadata["destination"]), k))
     tell("match scans", len(logs), len(logs))
     return np.concatenate(errors), samples

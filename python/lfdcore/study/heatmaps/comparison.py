@@ -31,7 +31,6 @@ from lfdcore.study.driving.metrics import LOOK_AHEAD, MOVING
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
-from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
@@ -41,7 +40,7 @@ from lfdcore.wheelchair.planner import PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import Surroundings
-from lfdcore.wheelchair.window import RESOLUTION, squashed
+from lfdcore.wheelchair.window import RESOLUTION, WINDOW, squashed
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Footprint, Pose2, arc_length
-from lfdcore.grid import OccupancyGrid
+from lfdcore.grid import OccupancyGrid, read_beams
 from lfdcore.pictures.course import draw_footprints, draw_grid, every
 from lfdcore.pictures.style import BODY, DISCARDED, DRIVEN, FOLLOWED, PAGE, UNJUDGED, line_handle, styled
 from lfdcore.study.prediction.path_error import REACH
@@ -39,22 +39,21 @@ def scan_map(log: DriveLog, resolution: float = 0.05) -> OccupancyGrid:
     used = _spread(log)
     poses = [Pose2(*pose) * log.T_base_laser for pose in log.pose_at(log.scan_stamp[used])]
     angle: Array = log.angle_min + log.angle_increment * np.arange(log.ranges.shape[1], dtype=np.float64)
-    ranges = np.nan_to_num(np.asarray(log.ranges[used], np.float64), nan=0.0, posinf=_SEEN)
-    ends = np.array([_ends(pose, measured, angle) for pose, measured in zip(poses, ranges, strict=True)])
+    lengths, hits = read_beams(log.ranges[used], log.range_min, log.range_max)
+    ends = np.array([_ends(pose, length, angle) for pose, length in zip(poses, lengths, strict=True)])
     origins = np.array([[pose.x, pose.y] for pose in poses])
     corner, extent = _extent(np.vstack([origins, ends.reshape(-1, 2)]))
     resolution = max(resolution, float(extent.max()) / _SIDE)
     width, height = (int(n) for n in np.ceil(extent / resolution) + 1)
     passed, hit = np.zeros((height, width), np.float32), np.zeros((height, width), np.float32)
-    for origin, end, measured in zip(origins, ends, ranges, strict=True):
+    for origin, end, near in zip(origins, ends, hits & (lengths < _SEEN), strict=True):
         fan = np.vstack([origin, end])
         cells = np.floor((fan - corner) / resolution).astype(np.int32)
         low, high = cells.min(axis=0), cells.max(axis=0) + 1
         part = np.zeros((high - low)[::-1], np.uint8)
         cv2.fillPoly(part, [cells - low], 1)
         passed[low[1] : high[1], low[0] : high[0]] += part
-        ended = cells[1:][(measured > 0) & (measured < min(_SEEN, log.range_max))]
-        hit[tuple(np.unique(ended, axis=0).T[::-1])] += 1
+        hit[tuple(np.unique(cells[1:][near], axis=0).T[::-1])] += 1
     state = np.where(passed >= _LEAST, 0, -1).astype(np.int8)
     state[(hit >= _LEAST) & (hit > 0.2 * passed)] = 100
     return OccupancyGrid(state, resolution, (float(corner[0]), float(corner[1])))
@@ -72,8 +71,8 @@ def _spread(log: DriveLog) -> NDArray[np.int_]:
     return scans[np.unique(stretch, return_index=True)[1]]
 
 
-def _ends(pose: Pose2, ranges: Array, angle: Array) -> Array:
-    reach = np.minimum(ranges, _SEEN)[:, None]
+def _ends(pose: Pose2, lengths: Array, angle: Array) -> Array:
+    reach = np.minimum(lengths, _SEEN)[:, None]
     return np.asarray(pose.transform(reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)))
 
 

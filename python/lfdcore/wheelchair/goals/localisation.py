@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets import DriveLog
 from lfdcore.geometry import Pose2, wrap_angle
-from lfdcore.grid import LaserScan, OccupancyGrid, distance_field
+from lfdcore.grid import LaserScan, OccupancyGrid, distance_field, read_beams
 
 Array = NDArray[np.float64]
 Outcome = Literal["tracked", "lost", "blind"]
@@ -138,11 +138,11 @@ class ScanLocaliser:
 
     def _beams(self, scan: LaserScan, T_base_laser: Pose2) -> _Beams:
         """At most `beams` of the beams that ended at something, evenly taken."""
-        ranges = np.asarray(scan.ranges, float)
-        hit = np.flatnonzero(np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges < scan.range_max))
+        lengths, ended = read_beams(scan)
+        hit = np.flatnonzero(ended)
         hit = hit[np.unique(np.linspace(0, len(hit) - 1, min(len(hit), self.config.beams)).astype(int))]
         angles = np.asarray(scan.angles())[hit]
-        ends = ranges[hit, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        ends = lengths[hit, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         return _Beams(np.asarray(T_base_laser.transform(ends)), angles + T_base_laser.yaw)
 
     # -- the search ---------------------------------------------------------------------------------------------

@@ -12,9 +12,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.paths import along, geometric_median
-from lfdcore.wheelchair.window import CELLS, cell_centres
+from lfdcore.wheelchair.window import CELLS, WINDOW, cell_centres
 
 Floats = NDArray[np.float64]
 RING = 0.06

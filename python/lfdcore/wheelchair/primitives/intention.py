@@ -19,10 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.estimation import RbfNetworkBank, RbfNetworkConfig
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
+from lfdcore.grid import read_beams
+from lfdcore.wheelchair.beams import BeamGeometry
+from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths, measured_beams
 from lfdcore.wheelchair.primitives.compliance import MOST_CENTRES, SIGMA
 from lfdcore.wheelchair.stick import checked_joystick
-from lfdcore.wheelchair.window import CELLS, cell_keys, key_centres, require_between
+from lfdcore.wheelchair.window import CELLS, WINDOW, cell_keys, key_centres, require_between
 
 if TYPE_CHECKING:
     from lfdcore.geometry import Pose2
@@ -134,14 +136,14 @@ class IntentionModel:
     def cell_likelihoods(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats:
         """The networks' bare answers, one a cell of `cells` -> (C,) in [0, 1]; 0 out of sight. See predict."""
         stick = checked_joystick(joystick)
-        ranges = clean_ranges(scan.ranges, scan.range_min, scan.range_max)
-        if ranges is None or np.hypot(*stick) < max(self.config.dead_zone, 1e-9):
+        lengths, hit = read_beams(scan)
+        if not measured_beams(lengths, hit).any() or np.hypot(*stick) < max(self.config.dead_zone, 1e-9):
             return np.zeros(len(self.cells))
         laser = self._view(scan, T_base_laser)
-        measured = ranges[laser.beam]
-        own = _range_inputs(np.minimum(measured, laser.cap), self.config)
+        seen = filled_lengths(lengths, hit)[laser.beam]
+        own = _range_inputs(np.minimum(seen, laser.cap), self.config)
         likelihood = self._answers(_stick_inputs(stick[None], self.config)[0], own[:, None])
-        out_of_sight = laser.covered & (laser.distance > measured + self.config.slack)
+        out_of_sight = laser.covered & (laser.distance > seen + self.config.slack)
         return np.where(out_of_sight, 0.0, likelihood)
 
     def _answers(self, stick: Floats, own: Floats) -> Floats:

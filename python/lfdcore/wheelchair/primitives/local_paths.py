@@ -24,7 +24,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
+from lfdcore.geometry import wrap_angle
+from lfdcore.grid import read_beams
+from lfdcore.wheelchair.beams import BeamGeometry
+from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths, measured_beams
+from lfdcore.wheelchair.window import WINDOW
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -215,7 +219,8 @@ class _Walk:
 
     def __init__(self, log: DriveLog, track: _Track, config: LocalPathConfig) -> None:
         self.track, self.config, self.beams = track, config, beam_geometry(log)
-        self.ranges = _clean(log)
+        self.lengths, self.hit = read_beams(log.ranges, log.range_min, log.range_max)
+        self.seen = filled_lengths(self.lengths, self.hit)
         self.end = track.start.copy()
         self.furthest = track.start.copy()  # where a path had come farthest ahead
         self.reason = np.full(len(track.start), "log", dtype="U8")
@@ -236,12 +241,16 @@ class _Walk:
         moved = np.minimum(self.end[rest], self.track.last_moved[self.end[rest]])
         self.end[rest] = np.maximum(moved, self.track.start[rest])
 
+    def hits(self, scan: np.intp) -> Floats:
+        """Where the beams of a scan ended on something -> (M, 2) [m] in base_link."""
+        return self.beams.hits(self.lengths[scan], self.hit[scan])
+
     def _criteria(self, active: NDArray[np.intp], at: NDArray[np.intp]) -> dict[str, NDArray[np.bool_]]:
         """Which paths would meet which criterion at instants `at`; the first that holds counts."""
         track, config, start = self.track, self.config, self.track.start[active]
         local = track.local(start, at)
         beam, distance, covered = self.beams.locate(local)
-        seen = self.ranges[track.scan[active], beam]
+        seen = self.seen[track.scan[active], beam]
         return {
             "gap": track.gap[at],
             "window": (local[:, 0] >= WINDOW) | (np.abs(local[:, 1]) >= WINDOW),
@@ -260,17 +269,11 @@ class _Walk:
         self.end[turned_back] = self.furthest[turned_back]
 
 
-def _clean(log: DriveLog) -> Floats:
-    ranges = clean_ranges(np.atleast_2d(log.ranges), log.range_min, log.range_max)
-    assert ranges is not None  # only a single scan can be
-    return ranges
-
-
 def _collect(log: DriveLog, walk: _Walk, config: LocalPathConfig) -> LocalPaths:
     track = walk.track
     joystick = np.asarray(log.joystick_at(log.scan_stamp[track.scan]), dtype=np.float64)
     paths = [_cut(track, *piece) for piece in zip(track.start, walk.end, walk.reason, strict=True)]
-    cause = _causes(log, walk, joystick, paths, config)
+    cause = _causes(walk, joystick, paths, config)
     kept = np.flatnonzero(cause == "")
     dropped = Counter(str(name) for name in cause if name)
     dropped["no odometry"] = len(log.scan_stamp) - len(track.scan)
@@ -278,23 +281,20 @@ def _collect(log: DriveLog, walk: _Walk, config: LocalPathConfig) -> LocalPaths:
     beam = walk.beams.locate(goal)[0]
     return LocalPaths(
         joystick[kept],
-        np.minimum(walk.ranges[track.scan[kept], beam], walk.beams.caps[beam]),
+        np.minimum(walk.seen[track.scan[kept], beam], walk.beams.caps[beam]),
         goal,
-        wrap(track.yaw[walk.end[kept]] - track.yaw[track.start[kept]]),
+        wrap_angle(track.yaw[walk.end[kept]] - track.yaw[track.start[kept]]),
         [paths[i] for i in kept],
-        np.array([_clearance(paths[i], walk.beams.hits(log.ranges[track.scan[i]], log.range_max)) for i in kept]),
+        np.array([_clearance(paths[i], walk.hits(track.scan[i])) for i in kept]),
         walk.reason[kept],
         track.stamp[track.start[kept]],
         {name: count for name, count in dropped.items() if count},
     )
 
 
-def _causes(
-    log: DriveLog, walk: _Walk, joystick: Floats, paths: list[Floats], config: LocalPathConfig
-) -> NDArray[np.str_]:
+def _causes(walk: _Walk, joystick: Floats, paths: list[Floats], config: LocalPathConfig) -> NDArray[np.str_]:
     """Why each start gives no path; empty where it gives one."""
-    ranges = log.ranges[walk.track.scan]
-    measured = (~np.isnan(ranges)).any(axis=1)
+    measured = measured_beams(walk.lengths, walk.hit)[walk.track.scan].any(axis=1)
     pushed = np.hypot(*joystick.T) >= config.dead_zone  # NaN is not
     long = np.array([np.hypot(*np.diff(path, axis=0).T).sum() >= config.shortest for path in paths], dtype=bool)
     lost = [walk.reason == name for name in _DROPPED]
@@ -306,11 +306,6 @@ def _clearance(path: Floats, hits: Floats) -> float:
         return float("inf")
     squared = (path**2).sum(1)[:, None] + (hits**2).sum(1) - 2 * path @ hits.T
     return float(np.sqrt(max(squared.min(), 0.0)))
-
-
-def wrap(angle: Floats) -> Floats:
-    """Angles [rad] in [-pi, pi)."""
-    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _cut(track: _Track, start: np.intp, end: np.intp, reason: str) -> Floats:

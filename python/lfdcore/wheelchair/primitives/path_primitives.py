@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import resample
+from lfdcore.geometry import resample, wrap_angle
 
 if TYPE_CHECKING:
     from lfdcore.wheelchair.primitives.local_paths import LocalPaths
@@ -127,7 +127,7 @@ def _require_paths_to(ends: Floats, shapes: Floats) -> None:
 
 def orientation_bin(yaw: Floats, bins: int = 17) -> NDArray[np.intp]:
     """Headings [rad] -> which of `bins` equal intervals of (-pi, pi] holds them; the middle one is around 0."""
-    share = (yaw + np.pi) % (2 * np.pi) / (2 * np.pi)
+    share = (np.asarray(wrap_angle(yaw)) + np.pi) / (2 * np.pi)
     return np.clip((share * bins).astype(np.intp), 0, bins - 1)
 
 

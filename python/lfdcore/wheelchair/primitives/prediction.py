@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.grid import distance_field, local_grid
-from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.paths import along, geometric_median
-from lfdcore.wheelchair.window import CELLS, RESOLUTION
+from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW
 
 if TYPE_CHECKING:
     from lfdcore.geometry import Pose2

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import DriveLog, joystick_from_motion
+from lfdcore.datasets.motion import full_deflection
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
 from lfdcore.study.prediction.path_error import ARC
 from lfdcore.study.prediction.picture import prediction_figure, scan_map
-from lfdcore.study.prediction.study import STRAIGHT, compliant_points, full_deflection, predict_log, predict_real_logs
+from lfdcore.study.prediction.study import STRAIGHT, compliant_points, predict_log, predict_real_logs
 from lfdcore.study.prediction.tables import as_json, as_text, error_rows, pooled_rows
 from lfdcore.study.report.statistics import block_bootstrap, block_bootstrap_ratio
 from lfdcore.training.drive_primitives import first_share, learn_drive
@@ -184,6 +185,25 @@ def test_the_map_of_the_scans_has_the_corridor_free_and_its_walls_occupied() -> 
     assert [state(3, 0), state(7, 4), state(1, 0.5)] == [0, 0, 0]
     assert state(4, 3) == -1  # behind the inner corner
     assert max(state(3, -1.02), state(3, -0.98)) == 100
+
+
+def test_beams_that_are_too_close_or_measured_nothing_leave_the_map_as_it_is() -> None:
+    log = corner_log(0.0)
+    ranges = log.ranges.copy()
+    ranges[:, ::20], ranges[:, 5::20] = -np.inf, 0.125
+    grid = scan_map(dataclasses.replace(log, ranges=ranges, range_min=0.25))
+    assert grid.data.shape == scan_map(log).data.shape
+    np.testing.assert_allclose(grid.origin, scan_map(log).origin)
+
+
+def test_the_map_is_free_no_farther_than_the_scanner_reaches() -> None:
+    log = corner_log(0.0)
+    open_field = dataclasses.replace(log, ranges=np.full_like(log.ranges, np.inf), range_max=3.0)
+    grid = scan_map(open_field)
+    free = np.argwhere(grid.data == 0)[:, ::-1] * grid.resolution + np.array(grid.origin)
+    way = log.pose_at(log.scan_stamp)[:, :2]
+    distance = np.hypot(*(free[::7, None] - way[None, ::5]).transpose(2, 0, 1)).min(axis=1)
+    assert distance.max() < 3.0 + 0.7 + 0.5
 
 
 def test_the_figure_has_a_panel_a_log_and_model(prediction, model, tmp_path) -> None:

@@ -100,6 +100,27 @@ def test_an_error_of_the_heading_turns_the_way_driven_since() -> None:
     assert covariance[0, 2] == pytest.approx(0, abs=1e-12)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 0.0, 0.125, -3.0, 8.0, 40.0])
+def test_beams_that_ended_at_nothing_leave_the_localiser_blind(value: float) -> None:
+    scan = LaserScan(np.full(181, value, np.float32), -math.pi / 2, math.radians(1), 0.25, 8.0)
+    assert ScanLocaliser(room(), Pose2(1.0, 1.0, 0.0)).update(scan, MOUNTING, Pose2()).outcome == "blind"
+
+
+def test_what_is_too_close_is_matched_where_the_scanner_begins_to_measure() -> None:
+    """REP-117's -inf is no blindness: something is there, at range_min as near as anybody knows."""
+    grid, true = room(), Pose2(1.5, 2.0, 0.3)
+    ranges = np.array(scan_from(grid, true).ranges)
+    nearest = np.sort(ranges)[20]
+    near = ranges <= nearest
+    found = []
+    for value in (-np.inf, nearest):
+        given = np.where(near, value, ranges).astype(np.float32)
+        scan = LaserScan(given, -math.pi / 2, math.radians(1), float(nearest), 30.0)
+        found.append(ScanLocaliser(grid, true).update(scan, MOUNTING, Pose2()))
+    assert found[0].pose == found[1].pose
+    assert found[0].score == found[1].score
+
+
 # -- claims ---------------------------------------------------------------------------------------------------------
 
 

@@ -3,8 +3,9 @@ import pytest
 
 from lfdcore.estimation import RbfNetworkConfig, fit_rbf_network
 from lfdcore.geometry import Pose2
-from lfdcore.grid import LaserScan
-from lfdcore.wheelchair.beams import BeamGeometry, clean_ranges
+from lfdcore.grid import LaserScan, read_beams
+from lfdcore.wheelchair.beams import BeamGeometry
+from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres, cell_keys, key_centres
@@ -24,7 +25,7 @@ def slow_likelihoods(paths, config, joystick, scan, T_base_laser):
     both = LocalPaths.concatenate([paths, paths.mirrored()])
     keys = cell_keys(both.goal)
     geometry = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
-    ranges = clean_ranges(scan.ranges, scan.range_min, scan.range_max)
+    seen = filled_lengths(*read_beams(scan))
     scale = np.array([config.sigma_joystick, config.sigma_joystick, 2.5 * config.sigma_range])
     found = {}
     for key in np.unique(keys):
@@ -33,8 +34,8 @@ def slow_likelihoods(paths, config, joystick, scan, T_base_laser):
         inputs = np.column_stack([stick, both.beam_range[mine]]) / scale
         network = fit_rbf_network(inputs, np.ones(len(mine)), RbfNetworkConfig(sigma=1.0))
         (beam,), (distance,), (covered,) = geometry.locate(key_centres(np.array([key])))
-        asked = np.r_[joystick / np.linalg.norm(joystick), min(ranges[beam], geometry.caps[beam])] / scale
-        hidden = covered and distance > ranges[beam] + config.slack
+        asked = np.r_[joystick / np.linalg.norm(joystick), min(seen[beam], geometry.caps[beam])] / scale
+        hidden = covered and distance > seen[beam] + config.slack
         found[int(key)] = 0.0 if hidden else network.predict(asked[None])[0]
     return found
 
@@ -131,6 +132,30 @@ def test_a_few_nan_beams_change_little(corner_model):
     a = corner_model.intention.predict(AHEAD, scan, T_BASE_LASER)
     b = corner_model.intention.predict(AHEAD, broken, T_BASE_LASER)
     assert np.abs(a - b).sum() < 0.2
+
+
+def scan_with(value):
+    """In the corner, by a scanner that measures from .25 m on, every fourth beam of which gives `value`."""
+    scan = scan_at(3, 0, 0)
+    ranges = np.array(scan.ranges)
+    ranges[::4] = value
+    return LaserScan(ranges, scan.angle_min, scan.angle_increment, 0.25, 30.0)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.125, -3.0])
+def test_a_beam_below_range_min_is_one_that_measured_nothing(corner_model, value):
+    asked = corner_model.intention.cell_likelihoods
+    without = asked(AHEAD, scan_with(np.nan), T_BASE_LASER)
+    np.testing.assert_array_equal(asked(AHEAD, scan_with(value), T_BASE_LASER), without)
+    nothing = LaserScan(np.full(181, value, np.float32), -np.pi / 2, np.pi / 180, 0.25, 30.0)
+    assert not asked(AHEAD, nothing, T_BASE_LASER).any()
+
+
+def test_a_beam_that_is_too_close_sees_as_far_as_range_min(corner_model):
+    asked = corner_model.intention.cell_likelihoods
+    close = asked(AHEAD, scan_with(-np.inf), T_BASE_LASER)
+    np.testing.assert_array_equal(close, asked(AHEAD, scan_with(0.25), T_BASE_LASER))
+    assert close.sum() < asked(AHEAD, scan_with(np.nan), T_BASE_LASER).sum()
 
 
 def test_with_everything_at_0_m_only_what_the_laser_cannot_judge_is_left(corner_model):

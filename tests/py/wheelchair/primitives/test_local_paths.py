@@ -2,16 +2,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from lfdcore.geometry import Pose2
-from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
 from lfdcore.wheelchair.primitives.local_paths import (
     LocalPathConfig,
     LocalPaths,
     extract_local_paths,
 )
+from lfdcore.wheelchair.window import WINDOW
 from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, drive, log_of
 
 FAR_WALLS = np.array(
@@ -239,6 +237,54 @@ def test_scans_with_nan_everywhere_are_dropped_and_single_nan_beams_are_bridged(
     assert np.isfinite(paths.beam_range).all()
 
 
+def straight_on(ranges):
+    """A drive of 3 m ahead in the open, all of its scans (181,) alike, by a scanner of .25 to 100 m."""
+    stamps, poses, stick = drive([(6, 0.5, 0.0)])
+    scans = np.tile(np.asarray(ranges, np.float32), (len(stamps), 1))
+    return extract_local_paths(log_of(stamps, poses, stick, ranges=scans, range_min=0.25, range_max=100.0))
+
+
+def ahead(value):
+    """Nothing is seen but by the 21 beams about ahead."""
+    ranges = np.full(181, np.inf)
+    ranges[80:101] = value
+    return ranges
+
+
+def test_what_is_too_close_hides_the_way_and_lies_on_it():
+    paths = straight_on(ahead(-np.inf))
+    assert paths.reason[0] == "hidden"
+    assert paths.goal[0, 0] == pytest.approx(0.7 + 0.25, abs=0.11)
+    assert paths.beam_range[0] == pytest.approx(0.25)
+    assert paths.clearance[0] < 0.05
+
+
+@pytest.mark.parametrize("value", [0.0, 0.125, np.nan])
+def test_a_beam_below_range_min_measured_nothing_and_hides_nothing(value):
+    paths = straight_on(ahead(value))
+    assert paths.reason[0] == "window"
+    assert paths.clearance[0] == np.inf
+    assert paths.beam_range[0] == pytest.approx(2.5 - 0.7)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.125, np.nan])
+def test_a_scan_of_nothing_but_ranges_below_range_min_is_no_scan(value):
+    assert set(straight_on(np.full(181, value)).dropped) == {"no scan", "no odometry"}
+
+
+@pytest.mark.parametrize("value", [100.0, 120.0, np.inf])
+def test_beams_from_range_max_on_hit_nothing(value):
+    assert straight_on(ahead(value)).clearance[0] == np.inf
+
+
+def test_a_heading_turned_right_round_at_the_end_is_plus_pi():
+    """The convention's interval is (-pi, pi]."""
+    poses = np.linspace([0, 0, 0], [2, 0, np.pi], 41)
+    log = log_of(np.arange(41) * 0.1, poses, np.tile([1.0, 0.0], (41, 1)), FAR_WALLS, range_max=100.0)
+    paths = extract_local_paths(log, LocalPathConfig(turn=4.0, reverse=9.0))
+    assert paths.end_yaw[0] == np.pi
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -264,41 +310,3 @@ def test_no_demonstration_at_all_is_refused():
 def test_criteria_that_are_not_numbers_are_refused_by_name():
     with pytest.raises(ValueError, match="shortest is nan"):
         LocalPathConfig(shortest=float("nan"))
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    beams=st.integers(1, 720),
-    span=st.floats(0.1, 6.2),
-    sign=st.sampled_from([-1, 1]),
-    point=st.tuples(st.floats(-3, 3), st.floats(-3, 3)),
-    yaw=st.floats(-3, 3),
-)
-def test_the_covering_beam_is_the_nearest_in_angle(beams, span, sign, point, yaw):
-    T = Pose2(0.3, -0.1, yaw)
-    increment = sign * span / max(beams - 1, 1)
-    geometry = BeamGeometry(beams, -sign * span / 2, increment, T)
-    beam, distance, _ = geometry.locate(np.array([point]))
-    local = T.inverse().transform(np.array([point]))[0]
-    angles = -sign * span / 2 + increment * np.arange(beams)
-    off = np.abs((angles - np.arctan2(local[1], local[0]) + np.pi) % (2 * np.pi) - np.pi)
-    assert off[beam[0]] <= off.min() + 1e-9
-    assert distance[0] == pytest.approx(np.hypot(*local))
-
-
-def test_ranges_are_cleaned_as_rep_117_says():
-    nan, inf = np.nan, np.inf
-    cleaned = clean_ranges(np.array([nan, 1.0, nan, nan, 4.0, inf, -inf, 40.0, -3.0]), 0.1, 30.0)
-    np.testing.assert_array_equal(cleaned, [1.0, 1.0, 1.0, 4.0, 4.0, 30.0, 0.1, 30.0, 30.0])
-    assert clean_ranges(np.array([nan, nan]), 0.0, 30.0) is None
-    rows = clean_ranges(np.array([[nan, 2.0], [nan, nan]]), 0.0, 30.0)
-    np.testing.assert_array_equal(rows, [[2.0, 2.0], [0.0, 0.0]])
-    with pytest.raises(ValueError, match="0 beams"):
-        clean_ranges(np.zeros(0), 0.0, 30.0)
-
-
-def test_a_laser_outside_the_window_or_without_beams_is_refused():
-    with pytest.raises(ValueError, match="outside the local window"):
-        BeamGeometry(181, -1.5, 0.01, Pose2(3.0, 0, 0))
-    with pytest.raises(ValueError, match="0 beams"):
-        BeamGeometry(0, -1.5, 0.01, Pose2())

@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import minimize
 from test_intention import AHEAD, LEFT, scan_at
 
-from lfdcore.grid import LaserScan
+from lfdcore.grid import LaserScan, read_beams
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.paths import along, geometric_median
@@ -71,7 +71,7 @@ def test_nothing_likely_is_no_path(corner_model):
 @pytest.mark.parametrize("pose", [(3.0, 0.4, 0.1), (5.2, 0.0, 0.1), (6.8, 2.0, 1.7)])
 def test_primitives_nearer_to_the_scan_than_demonstrations_lose_their_vote(corner_model, pose):
     scan = scan_at(*pose)
-    hits = BeamGeometry(181, -np.pi / 2, np.pi / 180, T_BASE_LASER).hits(np.array(scan.ranges), 30.0)
+    hits = BeamGeometry(181, -np.pi / 2, np.pi / 180, T_BASE_LASER).hits(*read_beams(scan))
     hits = hits[(np.abs(hits) < 2.5).all(1)]
     likelihood = corner_model.intention.cell_likelihoods(AHEAD, scan, T_BASE_LASER)
     votes = PathPredictor(corner_model).votes(AHEAD, scan, T_BASE_LASER)

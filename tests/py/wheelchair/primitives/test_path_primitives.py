@@ -58,6 +58,7 @@ def test_seventeen_bins_are_equal_and_none_is_shared_by_both_ends():
     assert np.bincount(orientation_bin(yaw)).tolist() == [1000] * 17
     assert orientation_bin(np.array([0.0, 0.18, -0.18])).tolist() == [8, 8, 8]
     assert orientation_bin(np.array([np.pi - 1e-9, -np.pi + 1e-9])).tolist() == [16, 0]
+    assert orientation_bin(np.array([np.pi, -np.pi, 3 * np.pi])).tolist() == [16, 16, 16]  # (-pi, pi]
 
 
 def test_bins_without_data_have_no_primitive_and_counts_say_how_many_paths():
