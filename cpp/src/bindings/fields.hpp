@@ -74,10 +74,9 @@ void bind_settings(py::module_& m, const char* name, const char* doc, Field<Stru
              return made;
            }),
            py::kw_only(), (py::arg(fields.name) = Seen<Values>::to_python(defaults.*fields.member))...);
-  const auto bind_attribute = [&type](auto field) {
-    using Value = std::remove_cvref_t<decltype(std::declval<Struct>().*field.member)>;
-    const auto get = [field](const Struct& self) ->
-        typename Seen<Value>::Type { return Seen<Value>::to_python(self.*field.member); };
+  const auto bind_attribute = [&type]<class Value>(Field<Struct, Value> field) {
+    using Type = typename Seen<Value>::Type;
+    const auto get = [field](const Struct& self) -> Type { return Seen<Value>::to_python(self.*field.member); };
     type.def_property_readonly(field.name, get, field.doc);
   };
   (bind_attribute(fields), ...);
