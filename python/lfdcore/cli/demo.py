@@ -52,12 +52,13 @@ def _a_posteriori(output: Path, seed: int, study: StudyModels, tell: Stages) -> 
     from lfdcore.study.heatmaps.comparison import ModelFiles, learn_rivals
     from lfdcore.study.heatmaps.report import a_posteriori_sections
 
-    if study.heatmaps is None:
+    heatmaps = study.file("heatmaps")
+    if heatmaps is None:
         return []
     mazes = sorted(output.glob("maze-*.mcap"))
     told = tell.under("a posteriori")
     primitives, naive = learn_rivals(output, [open_log(path) for path in mazes], told)
-    return a_posteriori_sections(output, ModelFiles(primitives, naive, study.heatmaps), mazes, seed, told)
+    return a_posteriori_sections(output, ModelFiles(primitives, naive, heatmaps), mazes, seed, told)
 
 
 def _real_section(study: StudyModels) -> list[Section]:
@@ -74,9 +75,10 @@ def _real_section(study: StudyModels) -> list[Section]:
     if path is None:
         return [Section(title, f"None at hand: neither $LFDCORE_DATA/{FREIBURG} nor {SENA} (Debian's mrpt-common).")]
     log, models = _judged(path)
-    if study.primitives is not None:
-        models["simulated home"] = DriveAssistantModel.load(study.primitives)
-    prediction = predict_log(log, models)
+    primitives = study.file("primitives")
+    if primitives is not None:
+        models["simulated home"] = DriveAssistantModel.load(primitives)
+    prediction = predict_log(log, {name: model.predictor() for name, model in models.items()})
     caption = (
         f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "
         "input complied, orange-red where not."

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.training.heatmap_net import TrainedHeatmapNet
-    from lfdcore.wheelchair.models import Model
+    from lfdcore.wheelchair.method import MethodModel
 
 app = typer.Typer(help="Learn a model from demonstrations.", no_args_is_help=True)
 
@@ -89,7 +89,7 @@ def learn_drive_command(
 
 def _learn(
     method: Method, drives: list[DriveLog], share: float, preset: Preset, bar: Progress
-) -> tuple[Model, TrainedHeatmapNet | None]:
+) -> tuple[MethodModel, TrainedHeatmapNet | None]:
     from lfdcore.training.drive_primitives import first_share, learn_drive
 
     tell = Stages(bar)

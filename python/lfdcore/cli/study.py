@@ -106,7 +106,7 @@ def drive_and_report(plan: DrivingPlan, more: More = lambda models, tell: (), co
         sections = more(models, tell)
         told = tell.step("report")
         told(0, 1)
-        demonstrations = [] if given.primitives else sorted(plan.output.glob("demonstration-*.mcap"))
+        demonstrations = [] if given.file("primitives") else sorted(plan.output.glob("demonstration-*.mcap"))
         report = write_driving_report(
             result,
             plan.output,
@@ -125,13 +125,13 @@ def _learn_what_is_missing(plan: DrivingPlan, arms: Sequence[str], given: StudyM
     from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
 
     needed = {METHODS[arm] for arm in arms if arm in METHODS}
-    primitives, heatmaps = given.primitives, given.heatmaps
+    primitives, heatmaps = given.file("primitives"), given.file("heatmaps")
     if primitives is None and "primitives" in needed:
         primitives = learn_from_demonstrations(plan.output, plan.seed, progress=tell.step("learn primitives"))
     if heatmaps is None and "heatmaps" in needed:
         told = tell.under("heatmaps")
         heatmaps = learn_heatmaps_from_demonstrations(plan.output, plan.seed, told, processes=plan.processes)
-    return StudyModels(primitives, heatmaps)
+    return StudyModels(primitives=primitives, heatmaps=heatmaps)
 
 
 @app.command("driving")

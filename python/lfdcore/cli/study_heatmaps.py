@@ -23,7 +23,7 @@ def heatmaps_or_learned(model: Path | None, folder: Path, seed: int, tell: Stage
     if model is None:
         folder.mkdir(parents=True, exist_ok=True)
         return learn_heatmaps_from_demonstrations(folder, seed, tell.under("heatmaps"), processes=processes)
-    if models_by_method([model]).heatmaps is None:
+    if models_by_method([model]).file("heatmaps") is None:
         raise ValueError(f"{model} holds primitives, must be heatmaps (lfdcore learn drive --method heatmaps)")
     folder.mkdir(parents=True, exist_ok=True)
     return model

@@ -1,6 +1,7 @@
-"""The assistants: none, DWA (App. E.2) and learned local intention (Ch. 3); one update a tick.
+"""The assistants: none, the supervisor alone, DWA (App. E.2), and one that follows planned paths (Ch. 3, Ch. 4).
 
-An assistant sees scan, odometry and joystick, nothing else. Its whole state is what it remembers of those.
+One update a tick. An assistant sees scan, odometry and joystick, nothing else. Its whole state is what it remembers of
+those.
 """
 
 from __future__ import annotations
@@ -23,13 +24,9 @@ from lfdcore.control import (
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath, Planner
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.surroundings import Surroundings
+from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 
 STOP = Twist2(0.0, 0.0)
 
@@ -67,7 +64,7 @@ class Supervised:
 
     name = "supervisor"
 
-    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = 120.0) -> None:
+    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = MEMORY) -> None:
         self.chair = chair or ChairGeometry()
         self._surroundings = Surroundings(self.chair, map_duration)
         self._supervisor = Supervisor(self.chair.footprint, self.chair.limits)
@@ -94,7 +91,7 @@ class DynamicWindowAssistant:
         chair: ChairGeometry | None = None,
         config: DynamicWindowConfig | None = None,
         projection: float = 1.0,
-        map_duration: float = 120.0,
+        map_duration: float = MEMORY,
         name: str = "dwa",
     ) -> None:
         self.name = name
@@ -129,10 +126,8 @@ class DynamicWindowAssistant:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveAssistantConfig:
-    """How the learned assistant drives. The printed values are those of `thesis()`."""
+    """How an assistant drives along planned paths. The printed values are those of `thesis()`."""
 
-    primitives: PrimitivesPlannerConfig = field(default_factory=PrimitivesPlannerConfig)
-    heatmaps: HeatmapPlannerConfig = field(default_factory=HeatmapPlannerConfig)
     compliance_threshold: float = 0.9
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
@@ -142,7 +137,7 @@ class DriveAssistantConfig:
     replan_pause: float = 0.5
     """[s] For so long a path stays that was incompliant already when it was made, unless the stick turns: asking again
     at once would give the same; printed: 0."""
-    map_duration: float = 120.0
+    map_duration: float = MEMORY
     """Memory of the rolling map [s]; printed: the present scan only."""
     own_turn_after: float = np.radians(90)
     """A driver who goes on asking for a turn to one side after the chair has turned this far [rad] wants a tighter one
@@ -167,10 +162,9 @@ class DriveAssistantConfig:
 
     @staticmethod
     def thesis() -> DriveAssistantConfig:
-        """The printed loop, which drives into things (docs/decisions.md)."""
+        """The printed loop, which drives into things (docs/decisions.md). How paths are planned in it is the planner's
+        to say: `model.planner(chair, thesis=True)`."""
         return DriveAssistantConfig(
-            primitives=PrimitivesPlannerConfig.thesis(),
-            heatmaps=HeatmapPlannerConfig.thesis(),
             replan_after=float("inf"),
             refuse_below=0.0,
             replan_pause=0.0,
@@ -245,20 +239,13 @@ class _Track:
 
 
 class DriveAssistant:
-    """Learned local intention, primitives and paths (Ch. 3): plan, track, let go at once when the driver disagrees."""
+    """Drives the planner's chair along its paths: plan, track, let go at once when the driver disagrees (Sec. 3.4)."""
 
-    def __init__(
-        self,
-        model: DriveAssistantModel | HeatmapModel,
-        chair: ChairGeometry | None = None,
-        config: DriveAssistantConfig | None = None,
-        name: str = "primitives",
-    ) -> None:
+    def __init__(self, planner: Planner, config: DriveAssistantConfig | None = None, name: str = "learned") -> None:
         self.name = name
-        self.model = model
-        self.chair = chair or ChairGeometry()
+        self.planner = planner
+        self.chair = planner.chair
         self.config = config or DriveAssistantConfig()
-        self.planner = _planner(model, self.config, self.chair)
         self._surroundings = Surroundings(self.chair, self.config.map_duration)
         self._supervisor = (
             None
@@ -372,12 +359,6 @@ class DriveAssistant:
         if allowed.changed or said.mode != "path":
             self._smoother.restart(allowed.twist)
         return replace(said, command=allowed.twist, supervised=allowed.changed)
-
-
-def _planner(model: DriveAssistantModel | HeatmapModel, config: DriveAssistantConfig, chair: ChairGeometry) -> Planner:
-    if isinstance(model, HeatmapModel):
-        return HeatmapPlanner(model, config.heatmaps, chair)
-    return PrimitivesPlanner(model, config.primitives, chair)
 
 
 def _track(planned: PlannedPath, observation: Observation) -> _Track:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lfdcore.control import FootprintRollout
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
-from lfdcore.wheelchair.observation import Observation
+from lfdcore.wheelchair.observation import ChairGeometry, Observation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,11 +41,21 @@ class Compliance(Protocol):
         [0, 1]."""
 
 
-class Planner(Compliance, Protocol):
-    """From an observation to a path that the chair's body can follow."""
+class Judge(Compliance, Protocol):
+    """Judges compliance with control points up to a look-ahead."""
 
-    look_ahead: float
-    """Of pure pursuit [m], the one that compliance is defined for (Sec. 3.4.2-3.4.3)."""
+    @property
+    def look_ahead(self) -> float:
+        """Of pure pursuit [m], the one that compliance is defined for (Sec. 3.4.2-3.4.3)."""
+
+
+class Planner(Judge, Protocol):
+    """From an observation to a path that the body of one chair can follow. It keeps its solvers' memory between calls,
+    so that it belongs to one assistant."""
+
+    @property
+    def chair(self) -> ChairGeometry:
+        """Whose paths it plans."""
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
         """A path for the driver's input; None if nothing is intended or nothing leads there without contact.

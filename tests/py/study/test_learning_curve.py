@@ -54,11 +54,12 @@ def test_models_are_of_the_first_n_runs(curve: LearningCurve) -> None:
     for n in (1, 2):
         files = curve.study.model_files(n)
         names = [open_log(curve.study.models / f"maze-{k:02d}.mcap").name for k in range(n)]
-        assert files.primitives and DriveAssistantModel.load(files.primitives).metadata["logs"] == names
-        assert files.heatmaps and HeatmapModel.load(files.heatmaps).metadata["logs"] == names
+        primitives, heatmaps = files.file("primitives"), files.file("heatmaps")
+        assert primitives and DriveAssistantModel.load(primitives).metadata["logs"] == names
+        assert heatmaps and HeatmapModel.load(heatmaps).metadata["logs"] == names
 
 
-def test_foretold_paths_are_judged_at_the_same_scans_beside_baselines(curve: LearningCurve) -> None:
+def test_predicted_paths_are_judged_at_the_same_scans_beside_baselines(curve: LearningCurve) -> None:
     assert len(curve.errors) == 2 + 4 and len({(row["log"], row["samples"]) for row in curve.errors}) == 1
     samples = path_samples(open_log(curve.study.models / "home-00.mcap"))
     on = path_errors(straight(samples.velocity), samples.driven, 2.5)[::20].mean()
@@ -115,7 +116,8 @@ def test_few_runs_are_learned_for_as_many_steps_as_all_within_a_bound() -> None:
     study = LearningCurveStudy(folder=Path())
     assert [study.epochs_of(n) for n in study.runs] == [40, 40, 36, 18, 10]
     fewer = LearningCurveStudy(folder=Path(), epochs=3)
-    assert study.model_files(72).heatmaps != fewer.model_files(72).heatmaps  # none is taken for the other
+    of_more, of_fewer = (one.model_files(72).file("heatmaps") for one in (study, fewer))
+    assert of_more != of_fewer  # none is taken for the other
 
 
 @pytest.mark.parametrize("runs", [(), (0,), (5, 5), (10, 5), (5, 73)])

@@ -276,7 +276,8 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
     short = replace(doorway_and_docking(3).course, name="short")
     arms = ("none", "primitives")
-    study = DrivingStudy(courses=(short,), models=StudyModels(tmp_path / "m.safetensors"), arms=arms, drivers=2)
+    models = StudyModels(primitives=tmp_path / "m.safetensors")
+    study = DrivingStudy(courses=(short,), models=models, arms=arms, drivers=2)
     found: DrivingResult = run_driving_study(study, processes=1)
     command = "lfdcore study driving"
     report = write_driving_report(found, tmp_path, demonstrations=[path], command=command)

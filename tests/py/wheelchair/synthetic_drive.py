@@ -37,6 +37,7 @@ class SyntheticLog:
     range_max: float = 30.0
     T_base_laser: Pose2 = field(default_factory=lambda: T_BASE_LASER)
     name: str = "synthetic"
+    metadata: dict[str, str] = field(default_factory=dict)
 
     def pose_at(self, t):
         unwrapped = np.c_[self.pose[:, :2], np.unwrap(self.pose[:, 2])]

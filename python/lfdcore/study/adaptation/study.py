@@ -17,18 +17,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2, Twist2, wrap_angle
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver, DriverInput, able_population
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels
+from lfdcore.study.arms import StudyModels, simulated_chair
 from lfdcore.study.jobs import run_jobs
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.observation import Assistance, Observation
 
 Floats = NDArray[np.float64]
 BIAS = 0.3
@@ -153,18 +152,11 @@ class _Drive:
     driver: AbleConfig
 
     def run(self) -> AdaptationRun:
-        study, simulated = self.study, self.study.run
-        chair = ChairGeometry(
-            footprint=simulated.chair.footprint,
-            limits=simulated.chair.limits,
-            T_base_laser=simulated.lidar.T_base_laser,
-        )
-        model = StudyModels(heatmaps=study.model).of("heatmaps")
-        if not isinstance(model, HeatmapModel):
-            raise ModelError(f"{study.model} holds no heatmaps")
-        watched = _Watched(AdaptiveAssistant(model, chair, adaptation=study.adaptation), study.after)
+        study, model = self.study, HeatmapModel.load(self.study.model)
+        assistant = AdaptiveAssistant(model, simulated_chair(study.run), adaptation=study.adaptation)
+        watched = _Watched(assistant, study.after)
         driver = BiasedDriver(self.course, self.bias, self.driver)
-        trace = run_drive(self.course, driver, watched, study.seed + self.number, simulated)
+        trace = run_drive(self.course, driver, watched, study.seed + self.number, study.run)
         return self._judged(trace, model.joystick, watched)
 
     def _judged(self, trace: DriveTrace, trained: JoystickModel, watched: _Watched) -> AdaptationRun:

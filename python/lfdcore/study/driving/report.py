@@ -119,7 +119,7 @@ def write_driving_report(
     if tasks is not None:
         sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
         rows += tasks.rows
-    primitives = result.study.models.primitives
+    primitives = result.study.models.file("primitives")
     if demonstrations and primitives is not None:
         logs = [open_log(path) for path in demonstrations]
         sections.append(stage_section(DriveAssistantModel.load(primitives), logs))

@@ -30,7 +30,6 @@ from lfdcore.study.demonstrations import StageProgress
 from lfdcore.study.driving.metrics import LOOK_AHEAD, MOVING
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
-from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
@@ -40,7 +39,7 @@ from lfdcore.wheelchair.paths import along, distance_to_polyline
 from lfdcore.wheelchair.planner import PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.surroundings import Surroundings
+from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 from lfdcore.wheelchair.window import RESOLUTION, squashed
 
 if TYPE_CHECKING:
@@ -68,7 +67,7 @@ class ComparisonConfig:
 
     period: float = 0.5
     slowest: float = MOVING
-    map_duration: float = DriveAssistantConfig.map_duration
+    map_duration: float = MEMORY
     primitives: PrimitivesPlannerConfig = field(default_factory=lambda: PrimitivesPlannerConfig(drivable=_UNCHECKED))
     heatmaps: HeatmapPlannerConfig = field(
         default_factory=lambda: HeatmapPlannerConfig(driver_sd=0.0, drivable=_UNCHECKED)

@@ -4,8 +4,8 @@ Judged in home_20x19, a test world that is like neither maze (docs/courses.md). 
 from a seed, so that each simulated driver has a way of its own and the figures are no one route's:
 - *closed loop*: impaired drivers, each with the same way and noise for every n and method, and unassisted beside;
 - *a posteriori*: able drivers, unassisted, to 30 destinations: the path predicted at a scan against the one driven
-  (study/prediction/path_error.py), the mean over a run being one value. The product of the heatmaps predicts by
-  heatmap_path, primitives by PathPredictor; both as they are for driving (`driver_sd`: docs/heatmaps.md).
+  (study/prediction/path_error.py), the mean over a run being one value. Primitives predict by PathPredictor, heatmaps
+  by ProductPredictor: what is planned over (`driver_sd`: docs/heatmaps.md).
 
 Networks learn for as many steps as they take on 72 runs, within `most_epochs`, and keep their best epoch: with a fixed
 number of epochs few runs would mean few steps too, and the curve would show that.
@@ -25,13 +25,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lfdcore.datasets import DriveLog, open_log
-from lfdcore.geometry import Pose2, Twist2
-from lfdcore.grid import local_grid
-from lfdcore.simulated.courses import Course, home_20x19
-from lfdcore.simulated.drivers import Driver, ImpairedConfig, ImpairedDriver, population
+from lfdcore.simulated.courses import home_20x19
+from lfdcore.simulated.drivers import population
 from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels, make_assistant
+from lfdcore.study.arms import StudyModels, impaired_driver, make_assistant, planners, simulated_chair
 from lfdcore.study.demonstrations import (
     HOME_DRIVERS,
     MAZE_RUNS,
@@ -45,32 +43,26 @@ from lfdcore.study.prediction.path_error import (
     REACH,
     Array,
     PathSamples,
-    at_arc_lengths,
     constant_arc,
     path_errors,
     path_samples,
     straight,
 )
-from lfdcore.study.prediction.study import ARC_ON, STRAIGHT
+from lfdcore.study.prediction.study import ARC_ON, STRAIGHT, predicted_paths
 from lfdcore.study.report.statistics import Summary, poisson_rate, proportion, summarise
 from lfdcore.training.drive_primitives import first_share, learn_drive
-from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.path import heatmap_path
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.observation import ChairGeometry, Observation
+from lfdcore.wheelchair.heatmaps.prediction import ProductPredictor
+from lfdcore.wheelchair.method import Predictor
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.prediction import PathPredictor
 
 if TYPE_CHECKING:
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig
 
 Progress = Callable[[str, int, int], None]
 """Told (stage, done, total)."""
-Foretell = Callable[[DriveLog, PathSamples], Array]
-"""The paths (N, 25, 2) [m] foretold at samples of a log."""
-Predict = Callable[[DriveLog, int], Array | None]
-"""The path (M, 2) [m] foretold at a scan of a log."""
+Predict = Callable[[DriveLog, PathSamples], Array]
+"""The paths (N, 25, 2) [m] predicted at samples of a log."""
 
 METHODS = ("primitives", "heatmaps")
 NOBODY = "none"
@@ -119,7 +111,7 @@ class LearningCurveStudy:
         """Of the models that so many runs teach."""
         end = f"{runs:02d}.safetensors"
         of_epochs = self.models / f"heatmaps-{self.epochs_of(runs)}-epochs-{end}"
-        return StudyModels(self.models / f"primitives-{end}", of_epochs)
+        return StudyModels(primitives=self.models / f"primitives-{end}", heatmaps=of_epochs)
 
 
 @dataclass(frozen=True)
@@ -138,7 +130,7 @@ class CurvePoint:
     time_ratio: Summary
     """time taken, likewise"""
     path_error: Summary
-    """[m] over runs: mean error up to 2.5 m of the foretold path"""
+    """[m] over runs: mean error up to 2.5 m of the predicted path"""
 
     @property
     def contact_rate(self) -> tuple[float, float, float]:
@@ -202,7 +194,7 @@ def run_learning_curve(
     study.models.mkdir(parents=True, exist_ok=True)
     learn_curve_models(study, tell, processes)
     rows = _drive(study, partial(tell, "drive a home never seen"), processes)
-    return LearningCurve(study, tuple(rows), tuple(_foretell(study, tell, processes)))
+    return LearningCurve(study, tuple(rows), tuple(_predict(study, tell, processes)))
 
 
 # -- learning -------------------------------------------------------------------------------------------------------
@@ -211,7 +203,7 @@ def run_learning_curve(
 def learn_curve_models(study: LearningCurveStudy, tell: Progress, processes: int | None = None) -> None:
     """Both models of each number of runs, where there are none yet."""
     files = {n: study.model_files(n) for n in study.runs}
-    missing = [n for n in study.runs if not all(_paths(files[n], method).exists() for method in METHODS)]
+    missing = [n for n in study.runs if not all(_file(files[n], method).exists() for method in METHODS)]
     if not missing:
         return
     drives = demonstrate_in_mazes(
@@ -224,22 +216,22 @@ def learn_curve_models(study: LearningCurveStudy, tell: Progress, processes: int
     tell("learn", len(missing), len(missing))
 
 
-def _paths(models: StudyModels, method: str) -> Path:
-    path = getattr(models, method)
-    assert isinstance(path, Path)
+def _file(models: StudyModels, method: str) -> Path:
+    path = models.file(method)
+    assert path is not None
     return path
 
 
 def _learn(study: LearningCurveStudy, logs: Sequence[DriveLog], files: StudyModels, tell: Progress) -> None:
     from lfdcore.training.drive_heatmaps import learn_heatmaps
 
-    if not _paths(files, "primitives").exists():
-        learn_drive(first_share(logs)).save(_paths(files, "primitives"))
-    if not _paths(files, "heatmaps").exists():
+    if not _file(files, "primitives").exists():
+        learn_drive(first_share(logs)).save(_file(files, "primitives"))
+    if not _file(files, "heatmaps").exists():
         stages = {"targets": f"targets of {len(logs)} runs", "network": f"network of {len(logs)} runs"}
         config = _heatmap_config(study.epochs_of(len(logs)))
         learned = learn_heatmaps(logs, config, lambda stage, done, total: tell(stages[stage], done, total))
-        learned.model.save(_paths(files, "heatmaps"))
+        learned.model.save(_file(files, "heatmaps"))
 
 
 def _heatmap_config(epochs: int) -> HeatmapLearningConfig:
@@ -250,10 +242,6 @@ def _heatmap_config(epochs: int) -> HeatmapLearningConfig:
 
 
 # -- closed loop ----------------------------------------------------------------------------------------------------
-
-
-def impaired_driver(config: ImpairedConfig, course: Course) -> Driver:
-    return ImpairedDriver(course, config)
 
 
 def _drive(
@@ -287,14 +275,13 @@ def _jobs(study: LearningCurveStudy, method: str, models: StudyModels) -> list[J
 def _judged(
     study: LearningCurveStudy, method: str, models: StudyModels, traces: Sequence[DriveTrace]
 ) -> list[dict[str, Any]]:
-    assistant = make_assistant(method, models, study.run)
-    return metric_rows(traces, {method: assistant.planner} if isinstance(assistant, DriveAssistant) else {})
+    return metric_rows(traces, planners([method], models, study.run))
 
 
 # -- a posteriori ---------------------------------------------------------------------------------------------------
 
 
-def _foretell(study: LearningCurveStudy, tell: Progress, processes: int | None) -> list[dict[str, Any]]:
+def _predict(study: LearningCurveStudy, tell: Progress, processes: int | None) -> list[dict[str, Any]]:
     drives = drive_to_destinations(
         study.models, study.seed, study.predicted, study.run, processes, partial(tell, "drive to destinations")
     )
@@ -304,9 +291,9 @@ def _foretell(study: LearningCurveStudy, tell: Progress, processes: int | None) 
     found = [(0, STRAIGHT), (0, ARC_ON), *((n, method) for n in study.runs for method in METHODS)]
     for done, (n, method) in enumerate(found):
         tell("predict paths", done, len(found))
-        foretell = _baselines()[method] if n == 0 else _with_model(study, study.model_files(n).of(method))
+        predict = _baselines()[method] if n == 0 else _with_model(study, n, method)
         for log, samples in judged:
-            error = float(path_errors(foretell(log, samples), samples.driven, REACH).mean())
+            error = float(path_errors(predict(log, samples), samples.driven, REACH).mean())
             what = {"demonstrations": n, "method": method, "log": log.name, "samples": len(samples)}
             rows.append({**what, "error": error})
     tell("predict paths", len(found), len(found))
@@ -317,49 +304,20 @@ def _thinned(samples: PathSamples, every: int) -> PathSamples:
     return PathSamples(samples.scan[::every], samples.velocity[::every], samples.driven[::every])
 
 
-def _baselines() -> dict[str, Foretell]:
+def _baselines() -> dict[str, Predict]:
     return {
         STRAIGHT: lambda log, samples: straight(samples.velocity),
         ARC_ON: lambda log, samples: constant_arc(samples.velocity),
     }
 
 
-def _with_model(study: LearningCurveStudy, model: DriveAssistantModel | HeatmapModel) -> Foretell:
-    return partial(_paths_of, _predictor(study, model))
+def _with_model(study: LearningCurveStudy, runs: int, method: str) -> Predict:
+    predictor = _predictor(study, runs, method)
+    return lambda log, samples: predicted_paths(predictor, log, samples)[0]
 
 
-def _paths_of(predict: Predict, log: DriveLog, samples: PathSamples) -> Array:
-    """Straight on where nothing is foretold."""
-    paths = straight(samples.velocity)
-    for k, scan in enumerate(samples.scan):
-        path = predict(log, int(scan))
-        if path is not None:
-            paths[k] = at_arc_lengths(path)
-    return paths
-
-
-def _predictor(study: LearningCurveStudy, model: DriveAssistantModel | HeatmapModel) -> Predict:
-    if isinstance(model, HeatmapModel):
-        return partial(_path_by_heatmaps, HeatmapPlanner(model, HeatmapPlannerConfig(), _chair(study)))
-    return partial(_path_by_primitives, PathPredictor(model))
-
-
-def _chair(study: LearningCurveStudy) -> ChairGeometry:
-    run = study.run
-    return ChairGeometry(footprint=run.chair.footprint, limits=run.chair.limits, T_base_laser=run.lidar.T_base_laser)
-
-
-def _stick(log: DriveLog, scan: int) -> Array:
-    return np.asarray(log.joystick_at(log.scan_stamp[scan : scan + 1])[0])
-
-
-def _path_by_primitives(predictor: PathPredictor, log: DriveLog, scan: int) -> Array | None:
-    return predictor.predict(_stick(log, scan), log.scan(scan), log.T_base_laser)
-
-
-def _path_by_heatmaps(planner: HeatmapPlanner, log: DriveLog, scan: int) -> Array | None:
-    stamp, (forward, left) = float(log.scan_stamp[scan]), _stick(log, scan)
-    pose, twist = Pose2(*log.pose_at([stamp])[0]), Twist2(*log.twist_at([stamp])[0])
-    seen = Observation(stamp, log.scan(scan), stamp, pose, twist, (float(forward), float(left)))
-    heat = planner.heat(seen, local_grid(seen.scan, log.T_base_laser))
-    return None if heat is None else heatmap_path(heat.intent)
+def _predictor(study: LearningCurveStudy, runs: int, method: str) -> Predictor:
+    file = _file(study.model_files(runs), method)
+    if method == "primitives":
+        return DriveAssistantModel.load(file).predictor()
+    return ProductPredictor(HeatmapModel.load(file).planner(simulated_chair(study.run)))

@@ -7,6 +7,7 @@ path.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +28,12 @@ from lfdcore.planning import (
     user_heatmap,
 )
 from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, DrivablePathFinder
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath
 from lfdcore.wheelchair.window import squashed, values_at
+
+if TYPE_CHECKING:
+    from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 
 Heatmap = NDArray[np.float32]
 
