@@ -182,7 +182,7 @@ def briefly_taught(folder: Path) -> Path:
     """The file of a heatmaps' model. A network takes as long whatever it says, but the drive must lead somewhere."""
     from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
-    from lfdcore.training.heatmap_net import HeatmapNetConfig
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig
 
     mazes = folder / "mazes"
     mazes.mkdir()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from lfdcore.datasets.drive_log import DriveLog
-    from lfdcore.training.heatmap_net import TrainedHeatmapNet
+    from lfdcore.training.parts.heatmap_net import TrainedHeatmapNet
     from lfdcore.wheelchair.method import MethodModel
 
 app = typer.Typer(help="Learn a model from demonstrations.", no_args_is_help=True)

@@ -40,7 +40,7 @@ def learn_goals_command(
     require_each_once(logs)
     require_writable(output, [*logs, goals])
     try:
-        from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+        from lfdcore.training.goals import GoalLearningConfig, learn_goals
     except ModuleNotFoundError as missing:
         raise ValueError(f"learning goals needs {missing.name}: install lfdcore with the extra 'train'") from missing
     places, drives = read_goals(goals), [open_log(path) for path in logs]

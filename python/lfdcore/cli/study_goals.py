@@ -31,7 +31,7 @@ def study_goals(
     from lfdcore.simulated.courses import goal_building, goals_in_map
     from lfdcore.study.goals.report import goal_headline, goal_tables, write_goal_report
     from lfdcore.study.goals.study import GoalStudy, run_goal_study
-    from lfdcore.training.goal_models import GoalLearningConfig
+    from lfdcore.training.goals import GoalLearningConfig
 
     world = goal_building() if map_file is None else goals_in_map(map_file, seed)
     learning = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()

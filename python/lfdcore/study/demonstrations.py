@@ -20,7 +20,7 @@ from lfdcore.training.drive_primitives import LearningConfig, first_share, learn
 from lfdcore.wheelchair.assistants import Unassisted
 
 if TYPE_CHECKING:
-    from lfdcore.training.heatmap_net import EpochLoss
+    from lfdcore.training.parts.heatmap_net import EpochLoss
 
 Progress = Callable[[int, int], None]
 StageProgress = Callable[[str, int, int], None]

@@ -1,4 +1,4 @@
-"""Learns the models of Ch. 4 from drive logs: the sensor heatmap and the joystick's meaning, or the naive network."""
+"""lfdcore learn drive --method heatmaps, naive: where drivers go, and what their stick means (Sec. 4.2-4.4, 4.6.2)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
 from lfdcore.geometry import arc_length
-from lfdcore.training.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
-from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
-from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
+from lfdcore.training.parts.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
+from lfdcore.training.parts.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.beams import WINDOW
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel, JoystickModelConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
 
 Progress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
+"""Called with (stage, done, total)"""
 _MOST_OWN = 20_000  # pairs, of 30 kB each, but for those that turns on the spot add
 
 

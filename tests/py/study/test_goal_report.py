@@ -32,8 +32,8 @@ from lfdcore.study.goals.study import (
     _localised,
     judge_goal_drives,
 )
-from lfdcore.training.goal_models import GoalLearningConfig
-from lfdcore.training.goal_net import GoalNetConfig
+from lfdcore.training.goals import GoalLearningConfig
+from lfdcore.training.parts.goal_net import GoalNetConfig
 from lfdcore.wheelchair.goals.samples import drive_samples
 from lfdcore.wheelchair.goals.track import track_beliefs
 

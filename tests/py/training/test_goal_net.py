@@ -10,7 +10,7 @@ import torch
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import drives, samples_of
 
-from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
+from lfdcore.training.parts.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.wheelchair.goals.network import sigmoid
 
 QUICK = GoalNetConfig(epochs=40)

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from goal_worlds import GOALS, drives, learned, samples_of, tiny_model
 
-from lfdcore.training.process_noise import best_calibrated, leave_drives_out
+from lfdcore.training.parts.process_noise import best_calibrated, leave_drives_out
 from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import track_beliefs

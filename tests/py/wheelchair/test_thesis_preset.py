@@ -28,7 +28,7 @@ from lfdcore.simulated.run import run_drive
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
-from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+from lfdcore.training.goals import GoalLearningConfig, learn_goals
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
 from lfdcore.wheelchair.goals.model import GoalFilter
 from lfdcore.wheelchair.goals.samples import drive_samples

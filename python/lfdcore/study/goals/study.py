@@ -21,7 +21,7 @@ from lfdcore.study.goals.evaluation import (
     accuracy,
     confidence_time,
 )
-from lfdcore.training.goal_models import (
+from lfdcore.training.goals import (
     GoalLearningConfig,
     KernelLikelihood,
     kernel_likelihoods,

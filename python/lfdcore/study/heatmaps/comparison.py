@@ -43,7 +43,7 @@ from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 from lfdcore.wheelchair.window import RESOLUTION, squashed
 
 if TYPE_CHECKING:
-    from lfdcore.training.heatmap_net import EpochLoss
+    from lfdcore.training.parts.heatmap_net import EpochLoss
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

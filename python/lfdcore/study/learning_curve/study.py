@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig
 
 Progress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
+"""Called with (stage, done, total)"""
 Predict = Callable[[DriveLog, PathSamples], Array]
 """The paths (N, 25, 2) [m] predicted at samples of a log."""
 
@@ -108,7 +108,7 @@ class LearningCurveStudy:
         return min(self.most_epochs, round(self.epochs * MAZE_RUNS / runs))
 
     def model_files(self, runs: int) -> StudyModels:
-        """Of the models that so many runs teach."""
+        """Of the models learned from so many runs."""
         end = f"{runs:02d}.safetensors"
         of_epochs = self.models / f"heatmaps-{self.epochs_of(runs)}-epochs-{end}"
         return StudyModels(primitives=self.models / f"primitives-{end}", heatmaps=of_epochs)
@@ -236,7 +236,7 @@ def _learn(study: LearningCurveStudy, logs: Sequence[DriveLog], files: StudyMode
 
 def _heatmap_config(epochs: int) -> HeatmapLearningConfig:
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig
-    from lfdcore.training.heatmap_net import HeatmapNetConfig
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig
 
     return HeatmapLearningConfig(network=HeatmapNetConfig(epochs=epochs, patience=epochs))
 

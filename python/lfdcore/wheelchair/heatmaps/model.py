@@ -1,4 +1,5 @@
-"""What demonstrations teach by Ch. 4: where drivers go in such a place, and what they mean by the stick."""
+"""The models of Ch. 4 and their files: where drivers go in a place (Sec. 4.3) and what they mean by the stick (Sec.
+4.4.2); or one network for both (Sec. 4.6.2)."""
 
 from __future__ import annotations
 
@@ -57,7 +58,7 @@ class HeatmapModel:
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
         bins = self.joystick.bins
-        return {**_told(self.metadata), "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
+        return {**_shown(self.metadata), "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
@@ -105,7 +106,7 @@ class NaiveHeatmapModel:
 
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
-        return {**_told(self.metadata), "bytes": self.nbytes}
+        return {**_shown(self.metadata), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
@@ -121,8 +122,8 @@ class NaiveHeatmapModel:
             return cls(NaiveHeatmap(_network(tensors)), _part(header, "metadata"))
 
 
-def _told(metadata: dict[str, Any]) -> dict[str, Any]:
-    """Without the pair of speeds a log: too long where many taught."""
+def _shown(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Without the pair of speeds a log: too long where there are many."""
     return {name: value for name, value in metadata.items() if name != "full_deflection"}
 
 

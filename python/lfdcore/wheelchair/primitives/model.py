@@ -1,4 +1,4 @@
-"""All that one set of demonstrations teaches a drive assistant: intention, path primitives, compliance."""
+"""The model of Ch. 3 and its file: intention (Sec. 3.3), path primitives (Sec. 3.4.1), compliance (Sec. 3.4.3)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ MOST_CLEARANCE = 100.0
 class DriveAssistantModel:
     """clearance [m]: how near to what the scan showed the demonstrated paths came, but for the nearest 3 % (0 where no
     beam hit anything); metadata: JSON values about the demonstrations: logs, lasers (beams, field_of_view [rad],
-    T_base_laser), n_paths, ended_by, dropped, data_hash (SHA-256 of the local paths)."""
+    T_base_laser), n_paths, ended_by, dropped, data_hash (SHA-256 of the local paths), full_deflection (what the
+    stick asked for when pushed fully, [m/s, rad/s] a log)."""
 
     method: ClassVar[str] = "primitives"
     kind: ClassVar[str] = "lfdcore drive assistant"
@@ -84,7 +85,7 @@ class DriveAssistantModel:
         }
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """One file, the same bytes for the same model (see model_file)."""
+        """One file, the same bytes for the same model."""
         header = {
             "metadata": self.metadata,
             "clearance": self.clearance,
