@@ -115,7 +115,7 @@ def learn_rivals(
     primitives, naive = folder / "primitives.safetensors", folder / "naive.safetensors"
     tell = progress or (lambda stage, done, total: None)
     learn_drive(first_share(logs), progress=partial(tell, "primitives")).save(primitives)
-    learn_naive_heatmap(logs, progress=tell, on_epoch=on_epoch)[0].save(naive)
+    learn_naive_heatmap(logs, progress=tell, on_epoch=on_epoch).model.save(naive)
     return primitives, naive
 
 
