@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, Preset, PresetOption, SeedOption, Stages, print_json, progress_bar
+from lfdcore.cli.common import JsonOption, Preset, PresetOption, Stages, print_json, progress_bar
 
 
 def study_goals(
@@ -19,10 +19,14 @@ def study_goals(
     full: Annotated[
         bool, typer.Option("--full/--sparse", help="Judge all data too: minutes, and 2 GB for N = 10^4.")
     ] = True,
-    subset: Annotated[int, typer.Option(min=1, help="Samples that Alg. 1 keeps.")] = 800,
+    subset: Annotated[
+        int | None, typer.Option(min=1, help="Samples that Alg. 1 keeps. Default: as the preset.")
+    ] = None,
     processes: Annotated[int | None, typer.Option(min=1, help="Default: one a core.")] = None,
     preset: PresetOption = Preset.default,
-    seed: SeedOption = 2,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=2**32 - 1, help="Of the drives. Default: that of the figures reported.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Drives to six destinations -> network, Gaussian process and filter: Tables 2.1-2.2, Fig. 2.4-2.8. Needs torch."""
@@ -33,13 +37,15 @@ def study_goals(
     from lfdcore.study.goals.study import GoalStudy, run_goal_study
     from lfdcore.training.goals import GoalLearningConfig
 
+    seed = GoalStudy.seed if seed is None else seed
     world = goal_building() if map_file is None else goals_in_map(map_file, seed)
     learning = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()
+    learning = replace(learning, subset=subset or learning.subset)
     output.mkdir(parents=True, exist_ok=True)
     study = GoalStudy(
         folder=output,
         world=world,
-        learning=replace(learning, subset=subset),
+        learning=learning,
         full=full,
         seed=seed,
         processes=processes,
@@ -47,7 +53,7 @@ def study_goals(
     with progress_bar() as bar:
         result = run_goal_study(study, Stages(bar))
     result.model.save(output / "goals.safetensors")
-    words = ["lfdcore", "study", "goals", "-o", "out", "--subset", str(subset), "--seed", str(seed)]
+    words = ["lfdcore", "study", "goals", "-o", "out", "--subset", str(learning.subset), "--seed", str(seed)]
     words += ["--full" if full else "--sparse", *(["--map", str(map_file)] if map_file else [])]
     words += ["--preset", "thesis"] if preset is Preset.thesis else []
     report = write_goal_report(result, output, shlex.join(words))

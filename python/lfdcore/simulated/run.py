@@ -23,7 +23,7 @@ from lfdcore.simulated.drivers import Driver
 from lfdcore.simulated.trace import DriveTrace, Plan
 from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
 from lfdcore.wheelchair.assistants import Assistant
-from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.observation import PERIOD, Assistance, Observation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +32,8 @@ class RunConfig:
 
     chair: ChairConfig = field(default_factory=ChairConfig)
     lidar: LidarConfig = field(default_factory=LidarConfig)
-    period: float = 0.1
-    """Between ticks [s]: the thesis logs at 10 Hz (Sec. 3.5)."""
+    period: float = PERIOD
+    """Between ticks [s]."""
     slowest: float = 0.12
     """Mean speed along the route [m/s] below which a run times out."""
     stuck_after: float = 60.0

@@ -24,8 +24,9 @@ from lfdcore.control import (
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
-from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.planner import PlannedPath, Planner
+from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.planner import COMPLIANT_FROM, PlannedPath, Planner
+from lfdcore.wheelchair.stick import DEAD_ZONE
 from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 
 STOP = Twist2(0.0, 0.0)
@@ -128,7 +129,7 @@ class DynamicWindowAssistant:
 class DriveAssistantConfig:
     """How an assistant drives along planned paths. The printed values are those of `thesis()`."""
 
-    compliance_threshold: float = 0.9
+    compliance_threshold: float = COMPLIANT_FROM
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
     """[s] A path is renewed at the latest after this, or long turns that look compliant circle; printed: never."""
@@ -144,7 +145,7 @@ class DriveAssistantConfig:
     than any path: the user's own input, supervised; printed: never."""
     own_turn_patience: float = 6.0
     """... or has asked for it this long [s], more than a turn takes at an usual speed; printed: never."""
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     """A joystick displaced less than this is at rest: stop."""
     reverse_from: float = np.radians(100)
     """Inputs at least this far [rad] from straight ahead are the user's own business (reversing), supervised."""
@@ -181,8 +182,8 @@ class DriveAssistantConfig:
 class _Smoother:
     """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant."""
 
-    def __init__(self, time_constant: float, period: float = 0.1) -> None:
-        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-period / time_constant)
+    def __init__(self, time_constant: float) -> None:
+        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-PERIOD / time_constant)
         self._inner = self._outer = STOP
 
     def restart(self, twist: Twist2) -> None:

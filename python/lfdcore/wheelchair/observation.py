@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
 
 
+PERIOD = 0.1
+"""[s] between ticks: the thesis logs at 10 Hz (Sec. 3.5)"""
 STALE_AFTER = 0.5
 """A scan older than this [s] says nothing of what is around now: every assistant that needs one stops."""
 

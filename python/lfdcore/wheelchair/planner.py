@@ -8,9 +8,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.control import FootprintRollout
+from lfdcore.control import FootprintRollout, FootprintRolloutConfig
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
+
+LOOK_AHEAD = FootprintRolloutConfig().look_ahead
+"""[m] of pure pursuit, and of the control points that an input may comply with (Sec. 3.4.2-3.4.3)"""
+COMPLIANT_FROM = 0.9
+"""Compliance from which an input agrees with a path (Sec. 3.4.3)"""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,14 +28,13 @@ from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssi
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.stick import DEAD_ZONE
 
 Floats = NDArray[np.float64]
 BIAS = 0.3
 """[rad]"""
 STAGES = ("before", "then", "adapting")
 """The trained model, the one of `after` seconds, the one of each tick."""
-AT_REST = 0.05
-"""A stick displaced less than this has no orientation to err by."""
 
 
 class BiasedDriver(AbleDriver):
@@ -161,7 +160,7 @@ class _Drive:
 
     def _judged(self, trace: DriveTrace, trained: JoystickModel, watched: _Watched) -> AdaptationRun:
         raw, meant, after = trace.joystick, trace.desired, self.study.after
-        at_rest = np.minimum(np.hypot(*raw.T), np.hypot(*meant.T)) <= AT_REST
+        at_rest = np.minimum(np.hypot(*raw.T), np.hypot(*meant.T)) <= DEAD_ZONE  # it has no orientation to err by
         then = watched.model_then
         if then is None or not (~at_rest & (trace.stamp > after)).any():
             raise ValueError(f"the drive of {trace.course} took {trace.stamp[-1]:.0f} s, must be over {after} s")

@@ -11,6 +11,7 @@ from lfdcore.geometry import MotionLimits, Twist2, approach, integrate
 from lfdcore.simulated.courses import Course, figure_eight
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver
 from lfdcore.study.driving.metrics import angular_jerk, distance, steering_entropy, steering_signal
+from lfdcore.wheelchair.observation import PERIOD
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -52,13 +53,13 @@ def drive_figure_eight(
     pose, twist = course.start, Twist2()
     rows: list[list[float]] = []
     for tick in range(2000):
-        stick = driver.act(tick * _PERIOD, pose, twist, False).joystick
+        stick = driver.act(tick * PERIOD, pose, twist, False).joystick
         if driver.done:
             return _metrics(course, np.array(rows))
         wanted = Twist2(float(stick[0]) * limits.max_linear, float(stick[1]) * limits.max_angular)
-        twist = approach(twist, wanted, limits, _PERIOD)
-        pose = integrate(pose, twist, _PERIOD)
-        rows.append([tick * _PERIOD, *pose, *twist, *stick])
+        twist = approach(twist, wanted, limits, PERIOD)
+        pose = integrate(pose, twist, PERIOD)
+        rows.append([tick * PERIOD, *pose, *twist, *stick])
     raise RuntimeError("the able driver did not finish the figure-8 within 200 s")
 
 
@@ -74,16 +75,13 @@ def figure_eight_table(n: int = 20, config: AbleConfig | None = None) -> list[Ta
     return rows
 
 
-_PERIOD = 0.1
-
-
 def _metrics(course: Course, rows: FloatArray) -> dict[str, float]:
     stamp, pose, omega, stick = rows[:, 0], rows[:, 1:4], rows[:, 5], rows[:, 6:8]
     return {
         "distance": distance(pose),
         "deviation": float(np.mean(np.abs(_off_circles(pose[:, :2])))),
         "steering_entropy": steering_entropy(steering_signal(stamp, stick)),
-        "angular_jerk": angular_jerk(omega, _PERIOD),
+        "angular_jerk": angular_jerk(omega, PERIOD),
         "forward": float(stick[:, 0].mean()),
         "time": float(stamp[-1]),
     }

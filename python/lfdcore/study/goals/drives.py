@@ -27,8 +27,6 @@ RUNS_EACH = 6
 """drives to each destination (Sec. 2.2)"""
 SEED = 2
 """of all drives that are reported; chosen before any model was learned from them"""
-MAP_SEED = 1
-"""of the destinations in willow_full (`goals_in_map`); likewise, as one of which no able drive touches anything"""
 MOST_NOISE = 100.0
 """[%] of full scale"""
 

@@ -16,24 +16,25 @@ from lfdcore.wheelchair.goals.network import network_inputs
 from lfdcore.wheelchair.goals.samples import GoalSamples
 
 Floats = NDArray[np.float64]
-Goals = NDArray[np.int64]
+GoalNumbers = NDArray[np.int64]
+"""(N,) a goal each, by its place among the goals"""
 
 
-def prior_only(model: GoalModel, samples: GoalSamples) -> Goals:
+def prior_only(model: GoalModel, samples: GoalSamples) -> GoalNumbers:
     """(N,) the goal nearest to the prior's mean, always."""
     mean, _ = prior_belief(model.goals.positions)
     nearest = np.argmin(np.hypot(*(model.goals.positions - mean).T))
     return np.full(len(samples), int(nearest))
 
 
-def along_heading(model: GoalModel, samples: GoalSamples) -> Goals:
+def along_heading(model: GoalModel, samples: GoalSamples) -> GoalNumbers:
     """(N,) the goal whose bearing is nearest to where the chair points."""
     to = model.goals.positions[None] - samples.pose[:, None, :2]
     bearing = np.arctan2(to[..., 1], to[..., 0]) - samples.pose[:, 2:]
     return np.asarray(np.abs(wrap_angle(bearing)).argmin(axis=1))
 
 
-def nearest_neighbour(model: GoalModel, samples: GoalSamples) -> Goals:
+def nearest_neighbour(model: GoalModel, samples: GoalSamples) -> GoalNumbers:
     """(N,) where the most similar sample learned from went: by pose and stick, standardised as the network's inputs."""
     network = model.network
     known, asked = (
@@ -67,7 +68,7 @@ class Accuracy:
     quarters: tuple[float, float, float, float]
 
 
-def accuracy(method: str, said: Goals, samples: GoalSamples, seed: int = 1) -> Accuracy:
+def accuracy(method: str, said: GoalNumbers, samples: GoalSamples, seed: int = 1) -> Accuracy:
     """Of the goals (N,) said. The interval is a bootstrap of whole drives: samples of one are not independent."""
     right = (said == samples.goal).astype(float)
     low, high = block_bootstrap(right[:, None], samples.drive, seed)
@@ -79,14 +80,14 @@ def accuracy(method: str, said: Goals, samples: GoalSamples, seed: int = 1) -> A
     return Accuracy(method, len(samples), drives, float(right.mean()), float(low[0]), float(high[0]), quarters)
 
 
-def agreement(a: Goals, b: Goals, goals: int) -> tuple[float, float]:
+def agreement(a: GoalNumbers, b: GoalNumbers, goals: int) -> tuple[float, float]:
     """Share of samples with the same answer, and Cohen's kappa (Sec. 2.3.2.1) of two methods' goals (N,)."""
     table = confusion(a, b, goals) / len(a)
     same, by_chance = float(np.trace(table)), float(table.sum(axis=1) @ table.sum(axis=0))
     return same, (same - by_chance) / (1 - by_chance) if by_chance < 1 else 1.0
 
 
-def confusion(truth: Goals, said: Goals, goals: int) -> NDArray[np.int64]:
+def confusion(truth: GoalNumbers, said: GoalNumbers, goals: int) -> NDArray[np.int64]:
     """(L, L) counts: a row a true goal, a column an answer (Fig. 2.8)."""
     table = np.zeros((goals, goals), np.int64)
     np.add.at(table, (truth, said), 1)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import Pose2
 from lfdcore.simulated.courses import GoalWorld, goal_building
-from lfdcore.study.goals.drives import GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
+from lfdcore.study.goals.drives import SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.evaluation import (
     BASELINES,
     Accuracy,
@@ -57,7 +57,7 @@ class GoalStudy:
     world: GoalWorld = field(default_factory=goal_building)
     learning: GoalLearningConfig = field(default_factory=GoalLearningConfig)
     full: bool = True
-    seed: int = 1
+    seed: int = SEED
     processes: int | None = None
 
 

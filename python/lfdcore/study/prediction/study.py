@@ -24,7 +24,7 @@ from lfdcore.study.prediction.path_error import ARC, REACH, PathSamples, at_arc_
 from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
 from lfdcore.wheelchair.method import Predictor
 from lfdcore.wheelchair.paths import distance_to_polyline
-from lfdcore.wheelchair.planner import Judge
+from lfdcore.wheelchair.planner import COMPLIANT_FROM, Judge
 from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 from lfdcore.wheelchair.stick import StickMeaning, with_stick
 
@@ -34,7 +34,6 @@ Progress = Callable[[int, int], None]
 STRAIGHT, ARC_ON = "straight", "constant arc"
 BLOCK = 2 * REACH
 """[m] of way whose samples are drawn together: paths of 2.5 m that start farther apart share nothing"""
-COMPLIANT_FROM = 0.9
 
 
 TRAINING, SHARE = "freiburg-079-corrected.log.gz", 0.7

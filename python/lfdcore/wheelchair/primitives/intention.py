@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from lfdcore.estimation import RbfNetworkBank, RbfNetworkConfig
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
 from lfdcore.wheelchair.primitives.compliance import MOST_CENTRES, SIGMA
-from lfdcore.wheelchair.stick import checked_joystick
+from lfdcore.wheelchair.stick import DEAD_ZONE, checked_joystick
 from lfdcore.wheelchair.window import CELLS, cell_keys, key_centres, require_between
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class IntentionConfig:
     floor: float = 0.01
     blur: float = 3.0
     slack: float = 0.05
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     mirror: bool = True
 
     def __post_init__(self) -> None:

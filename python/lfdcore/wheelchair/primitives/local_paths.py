@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.wheelchair.beams import WINDOW, BeamGeometry, clean_ranges
+from lfdcore.wheelchair.stick import DEAD_ZONE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,7 +56,7 @@ class LocalPathConfig:
     """A point is hidden once it is this much [m], one cell, farther than its beam."""
     shortest: float = 0.6
     """Shorter paths [m] are dropped."""
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     """A start with the stick nearer to its centre than this says nothing about what is wanted: dropped."""
 
     def __post_init__(self) -> None:
