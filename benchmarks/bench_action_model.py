@@ -1,11 +1,11 @@
 """Belief updates over a goal (2.2-2.3): lfdcore against torch, on the same equations and samples.
 
-The rival is lfdcore.training.torch_action_model on one thread: batched float64, no loop over samples, the equations as
-printed, which sum over pairs of samples. Beside it stands the same with the sums over pairs of goals that lfdcore has,
-for those who found them. N = 800 is a subset as training set, N = 9153 the full model, whose matrices torch makes and
-drops in turn (some 5 GB). `far` leaves the samples in their 72 x 72 m, so that most are far from any one state; `near`
-has length-scales so long that every sample counts and all of D is read. One process, interleaved, medians of its CPU
-time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
+The rival is lfdcore.training.estimators.torch_action_model on one thread: batched float64, no loop over samples, the
+equations as printed, which sum over pairs of samples. Beside it stands the same with the sums over pairs of goals that
+lfdcore has, for those who found them. N = 800 is a subset as training set, N = 9153 the full model, whose matrices
+torch makes and drops in turn (some 5 GB). `far` leaves the samples in their 72 x 72 m, so that most are far from any
+one state; `near` has length-scales so long that every sample counts and all of D is read. One process, interleaved,
+medians of its CPU time. Run: python benchmarks/bench_action_model.py [--rounds N] [--sizes N ...]
 """
 
 import os
@@ -21,7 +21,7 @@ import torch
 from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
-from lfdcore.training.torch_action_model import TorchActionModel, TorchIntentionFilter
+from lfdcore.training.estimators.torch_action_model import TorchActionModel, TorchIntentionFilter
 
 Floats = NDArray[np.float64]
 GOALS = np.array([[8, 8], [64, 8], [64, 40], [60, 66], [10, 62], [12, 36.0]])

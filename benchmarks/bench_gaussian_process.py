@@ -23,7 +23,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from lfdcore.estimation import GaussianProcess, GaussianProcessLikelihood, Kernel
-from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_hyper_parameters, search_bounds
+from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, fit_hyper_parameters, search_bounds
 
 Floats = NDArray[np.float64]
 N = 500

@@ -109,7 +109,7 @@ def seconds(work: Callable[[], object], times: int = 200) -> float:
 
 def compare(count: int, rounds: int) -> None:
     partner, robot, environment = demonstrations(count + 1)
-    config = InteractionPrimitiveConfig(dmp=DMP)
+    config = InteractionPrimitiveConfig(dmp=DMP, observe="forcing")
     model = InteractionPrimitive.fit(partner[:-1], robot[:-1], environment[:-1], config)
     rival = NumpyPrimitive(model)
     seen, phase, e = partner[-1][:OBSERVED].copy(), phases(STEPS, DMP)[:OBSERVED].copy(), environment[-1].copy()

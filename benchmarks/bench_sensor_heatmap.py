@@ -15,7 +15,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from lfdcore.training.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx
+from lfdcore.training.parts.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, NaiveHeatmap, SensorHeatmap
 
 

@@ -31,7 +31,6 @@ from lfdcore.study.demonstrations import learn_from_demonstrations
 from lfdcore.wheelchair import assistants, drivable_path
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps import planner as heatmap_planner
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.observation import Observation, observations
 from lfdcore.wheelchair.primitives import planner as primitives_planner
@@ -101,10 +100,11 @@ def instrument(assistant: Any, watch: Stopwatch) -> Callable[[], None]:
     stages = {"insert": "rolling map: insert", "obstacles": "rolling map: obstacles", "local_grid": "rolling map: grid"}
     around._map = Timed(watch, around._map, stages)
     assistant._supervisor = Timed(watch, assistant._supervisor, {"filter": "supervisor"})
-    planner, model = assistant.planner, assistant.model
+    planner = assistant.planner
+    model = planner.model
     planner._finder._hybrid_astar = Timed(watch, planner._finder._hybrid_astar, {"solve": "hybrid A*"})
     planner._finder._last_free = watch.around("last free end", planner._finder._last_free)
-    if isinstance(model, HeatmapModel):
+    if model.method == "heatmaps":
         planner.model = replace(model, sensor=Timed(watch, model.sensor, {"predict": "sensor heatmap"}))
         planner.joystick = Timed(watch, planner.joystick, {"predict": "joystick model"})
         planner._q_learning = Timed(watch, planner._q_learning, {"solve": "Q-learning: sweeps"})
@@ -128,11 +128,11 @@ def lived(model: Path, folder: Path, updates: int) -> tuple[list[Observation], N
     course, path = office(), folder / "drive.mcap"
     config = RunConfig(slowest=course.length / (updates / 10))
     driver = ImpairedDriver(course, population(1, 1)[0])
-    trace = run_drive(course, driver, DriveAssistant(load_model(model)), 1, config, path)
+    trace = run_drive(course, driver, DriveAssistant(load_model(model).planner()), 1, config, path)
     log = open_log(path)
     of_trace, of_log = trace.nbytes / len(trace.stamp), path.stat().st_size / len(log.scan_stamp)
     size = f"a tick takes {of_trace:.0f} B of a study's trace, {of_log:.0f} B of a drive log"
-    seen, assistant = list(observations(log))[:updates], DriveAssistant(load_model(model))
+    seen, assistant = list(observations(log))[:updates], DriveAssistant(load_model(model).planner())
     commands = np.array([[*assistant.update(observation).command] for observation in seen])
     return seen, commands, size
 
@@ -182,7 +182,7 @@ def briefly_taught(folder: Path) -> Path:
     """The file of a heatmaps' model. A network takes as long whatever it says, but the drive must lead somewhere."""
     from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
-    from lfdcore.training.heatmap_net import HeatmapNetConfig
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig
 
     mazes = folder / "mazes"
     mazes.mkdir()
@@ -196,7 +196,7 @@ def briefly_taught(folder: Path) -> Path:
 def measure(method: str, file: Path, updates: int, runs: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         seen, commands, size = lived(file, Path(folder), updates)
-    fresh = [DriveAssistant(load_model(file)) for _ in range(2)]
+    fresh = [DriveAssistant(load_model(file).planner()) for _ in range(2)]
     replay(fresh[0], seen, commands)  # warms up
     before = resident()
     done = [replay(fresh[0], seen, commands) for _ in range(runs)]

@@ -38,7 +38,7 @@ def draw_ways(axes: Axes, traces: list[DriveTrace], title: str) -> None:
 drivers = int(sys.argv[1]) if len(sys.argv) > 1 else 10
 course = standard_course()
 with tempfile.TemporaryDirectory() as folder:
-    models = StudyModels(learn_from_demonstrations(Path(folder), SEED))
+    models = StudyModels(primitives=learn_from_demonstrations(Path(folder), SEED))
     plan = DrivingPlan(courses=(course,), models=models, arms=tuple(PANELS), drivers=drivers, seed=SEED)
     result = run_driving_plan(plan)
 

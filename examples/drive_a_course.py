@@ -19,9 +19,8 @@ seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 task = doorway_and_docking(seed)
 run = RunConfig()
 with tempfile.TemporaryDirectory() as folder:
-    models = StudyModels(
-        learn_from_demonstrations(Path(folder), seed)
-    )  # an expert drives three routes through a simulated home
+    # an expert drives three routes through a simulated home
+    models = StudyModels(primitives=learn_from_demonstrations(Path(folder), seed))
     for arm in ("none", "dwa", "primitives"):
         trace = run_drive(task.course, ImpairedDriver(task.course), make_assistant(arm, models, run), seed, run)
         metrics = driving_metrics(trace)

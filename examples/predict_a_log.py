@@ -18,10 +18,9 @@ from lfdcore.study.prediction.path_error import (
     straight,
 )
 from lfdcore.training.drive_primitives import learn_drive
-from lfdcore.wheelchair.primitives.prediction import PathPredictor
 
 log = joystick_from_motion(open_log(sys.argv[1]))
-predictor = PathPredictor(learn_drive([log.share(0, 0.7)]))
+predictor = learn_drive([log.share(0, 0.7)]).predictor()
 rest = log.share(0.7, 1)
 samples = path_samples(rest)
 stick = rest.joystick_at(rest.scan_stamp[samples.scan])

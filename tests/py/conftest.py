@@ -37,7 +37,7 @@ def heatmap_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from lfdcore.datasets import open_log
     from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
-    from lfdcore.training.heatmap_net import HeatmapNetConfig
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig
 
     folder = tmp_path_factory.mktemp("heatmap_model")
     drives = demonstrate_in_mazes(folder, seed=1, runs=4, processes=1)

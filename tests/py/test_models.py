@@ -16,7 +16,7 @@ from lfdcore.models import HEATMAPS, NAIVE, PRIMITIVES
 from lfdcore.simulated.courses import course_by_name
 from lfdcore.study.arms import StudyModels
 from lfdcore.study.driving.study import DrivingStudy, run_driving_study
-from lfdcore.training.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
+from lfdcore.training.parts.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, OUTPUT, NaiveHeatmap, SensorHeatmap, naive_images
 from lfdcore.wheelchair.models import load_model

@@ -609,7 +609,7 @@ class InteractionPrimitiveConfig:
         self,
         *,
         dmp: DmpConfig = ...,
-        observe: str = "forcing",
+        observe: str = "positions",
         noise: float | None = None,
         environment_noise: float = 0.001,
         printed_environment_weights: bool = False,

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.progress import Progress, TaskID
 
-    from lfdcore.datasets.drive_log import DriveLog
-
 
 _LONGEST = 10
 """items of a list that are shown to people one by one"""
@@ -106,13 +104,6 @@ def require_each_once(files: list[Path]) -> None:
         before = taken.setdefault(file.resolve(), file)
         if before is not file:
             raise typer.BadParameter(f"{file} is given twice" + ("" if file == before else f", also as {before}"))
-
-
-def open_with_joystick(path: Path) -> DriveLog:
-    """A log whose driver's input is recorded or, where it is not, inferred from the motion before each scan."""
-    from lfdcore.datasets import joystick_from_motion, open_log
-
-    return joystick_from_motion(open_log(path))
 
 
 class Stages:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,11 +26,9 @@ from lfdcore.cli.learn_goals import learn_goals_command
 from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from lfdcore.datasets.drive_log import DriveLog
-    from lfdcore.training.heatmap_net import TrainedHeatmapNet
-    from lfdcore.wheelchair.models import Model
+    from lfdcore.training.parts.heatmap_net import TrainedHeatmapNet
+    from lfdcore.wheelchair.method import MethodModel
 
 app = typer.Typer(help="Learn a model from demonstrations.", no_args_is_help=True)
 
@@ -68,6 +67,7 @@ def learn_drive_command(
 ) -> None:
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
     from lfdcore.datasets import open_log
+    from lfdcore.training.drive_primitives import first_share
 
     require_each_once(logs)
     require_writable(output, logs)
@@ -75,7 +75,7 @@ def learn_drive_command(
         _require_training()
     drives = [open_log(path) for path in logs]
     with progress_bar() as bar:
-        model, network = _learn(method, drives, share, preset, bar)
+        model, network = _learn(method, first_share(drives, share), preset, Stages(bar))
     model.save(output)
     facts = {"model": str(output), **model.summary()}
     if as_json:
@@ -88,26 +88,18 @@ def learn_drive_command(
 
 
 def _learn(
-    method: Method, drives: list[DriveLog], share: float, preset: Preset, bar: Progress
-) -> tuple[Model, TrainedHeatmapNet | None]:
-    from lfdcore.training.drive_primitives import first_share, learn_drive
-
-    tell = Stages(bar)
+    method: Method, drives: list[DriveLog], preset: Preset, tell: Stages
+) -> tuple[MethodModel, TrainedHeatmapNet | None]:
     if method is Method.primitives:
-        from lfdcore.training.drive_primitives import LearningConfig
+        from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 
         settings = LearningConfig.thesis() if preset is Preset.thesis else LearningConfig()
-        return learn_drive(
-            first_share(drives, share), settings, lambda done, total: tell("learning", done, total)
-        ), None
+        return learn_drive(drives, settings, partial(tell, "learning")), None
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps, learn_naive_heatmap
 
-    demonstrations = first_share(drives, share)
     config = HeatmapLearningConfig.thesis() if preset is Preset.thesis else HeatmapLearningConfig()
-    config = config.for_logs(demonstrations)
-    if method is Method.naive:
-        return learn_naive_heatmap(demonstrations, config, tell)
-    learned = learn_heatmaps(demonstrations, config, tell)
+    learn = learn_naive_heatmap if method is Method.naive else learn_heatmaps
+    learned = learn(drives, config.for_logs(drives), tell)
     return learned.model, learned.network
 
 

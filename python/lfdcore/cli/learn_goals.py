@@ -26,7 +26,9 @@ def learn_goals_command(
     logs: LogArguments,
     goals: Annotated[Path, typer.Option(help="Destinations by name in the map (.yaml): name, x, y in metres.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Where the model goes (.safetensors).")],
-    subset: Annotated[int, typer.Option(min=1, help="Samples that Alg. 1 keeps for real time.")] = 800,
+    subset: Annotated[
+        int | None, typer.Option(min=1, help="Samples that Alg. 1 keeps for real time. Default: as the preset.")
+    ] = None,
     processes: Annotated[int, typer.Option(min=1, help="That search hyper-parameters side by side.")] = 1,
     preset: PresetOption = Preset.default,
     seed: SeedOption = 1,
@@ -40,12 +42,12 @@ def learn_goals_command(
     require_each_once(logs)
     require_writable(output, [*logs, goals])
     try:
-        from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+        from lfdcore.training.goals import GoalLearningConfig, learn_goals
     except ModuleNotFoundError as missing:
         raise ValueError(f"learning goals needs {missing.name}: install lfdcore with the extra 'train'") from missing
     places, drives = read_goals(goals), [open_log(path) for path in logs]
     config = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()
-    config = replace(config, subset=subset, seed=seed)
+    config = replace(config, subset=subset or config.subset, seed=seed)
     with progress_bar() as bar:
         model = learn_goals(drives, places, config, Stages(bar), processes)
     model.save(output)

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from lfdcore.geometry import Footprint
     from lfdcore.study.heatmaps.comparison import ComparedModels, Comparison
     from lfdcore.study.prediction.study import LogPrediction
-    from lfdcore.wheelchair.models import Model
-    from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig
+    from lfdcore.wheelchair.method import MethodModel, Predictor
     from lfdcore.wheelchair.stick import StickMeaning
 
 
@@ -91,16 +90,16 @@ def predict(
         raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
     require_drawable("--picture", picture)
     require_drawable("--concatenated", concatenated)
-    outline, config = _footprint(footprint), _config(rule, preset)
+    outline = _footprint(footprint)
     model_files, log_files = _told_apart(files)
     models = _load(model_files)
-    _require_of_primitives(rule, preset, models)
-    compared = None if concatenated is None else _of_each_kind(models)
+    predictors = _predictors(model_files, models, rule, preset)
+    compared = None if concatenated is None else _of_each_kind(model_files, models)
     logs = [open_log(path).share(begin, end) for path in log_files]
     meaning = StickMeaning(stick)
     with progress_bar() as bar:
         tell = Stages(bar)
-        predictions = [predict_log(log, models, config, meaning, tell.step(log.name)) for log in logs]
+        predictions = [predict_log(log, predictors, meaning, tell.step(log.name)) for log in logs]
         comparison = None if compared is None else _compare(logs, compared, meaning, tell.step("compare"))
     if comparison is not None and concatenated is not None:
         _draw_concatenated(comparison, concatenated)
@@ -148,39 +147,36 @@ def _draw_concatenated(comparison: Comparison, picture: Path) -> None:
     save_picture(concatenated_figure(median_runs(comparison.runs)), picture)
 
 
-def _config(rule: Rule | None, preset: Preset) -> PathPredictionConfig:
+def _predictors(
+    files: list[Path], models: dict[str, MethodModel], rule: Rule | None, preset: Preset
+) -> dict[str, Predictor]:
+    """Each model's own; with --rule or --preset thesis, which say how path primitives predict, of these alone."""
+    if rule is None and preset is Preset.default:
+        return {name: model.predictor() for name, model in models.items()}
     from dataclasses import replace
 
-    from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig
-
-    config = PathPredictionConfig.thesis() if preset is Preset.thesis else PathPredictionConfig()
-    return config if rule is None else replace(config, rule=rule.value)
-
-
-def _require_of_primitives(rule: Rule | None, preset: Preset, models: dict[str, Model]) -> None:
-    """Both say how path primitives predict; with heatmaps there is one way, and the thesis prints none."""
     from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+    from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 
-    option = f"--rule {rule.value}" if rule is not None else "--preset thesis"
-    asked = rule is not None or preset is Preset.thesis
-    others = [name for name, model in models.items() if not isinstance(model, DriveAssistantModel)]
-    if asked and others:
+    others = [name for name, model in models.items() if model.method != DriveAssistantModel.method]
+    if others:
+        option = f"--rule {rule.value}" if rule is not None else "--preset thesis"
         raise typer.BadParameter(f"{option} is of path primitives, and {', '.join(others)} holds none")
+    config = PathPredictionConfig.thesis() if preset is Preset.thesis else PathPredictionConfig()
+    config = config if rule is None else replace(config, rule=rule.value)
+    loaded = map(DriveAssistantModel.load, files)
+    return {name: PathPredictor(model, config) for name, model in zip(models, loaded, strict=True)}
 
 
-def _of_each_kind(models: dict[str, Model]) -> ComparedModels:
-    from lfdcore.study.heatmaps.comparison import ComparedModels
-    from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
-    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+def _of_each_kind(files: list[Path], models: dict[str, MethodModel]) -> ComparedModels:
+    from lfdcore.study.heatmaps.comparison import ModelFiles
 
-    primitives = [model for model in models.values() if isinstance(model, DriveAssistantModel)]
-    naive = [model for model in models.values() if isinstance(model, NaiveHeatmapModel)]
-    heatmaps = [model for model in models.values() if isinstance(model, HeatmapModel)]
-    counts = len(primitives), len(naive), len(heatmaps)
-    if counts != (1, 1, 1):
-        told = "{} of primitives, {} naive, {} of heatmaps".format(*counts)
-        raise typer.BadParameter(f"--concatenated compares one model of each kind; given are {told}")
-    return ComparedModels(primitives[0], naive[0], heatmaps[0])
+    methods = [model.method for model in models.values()]
+    if sorted(methods) != ["heatmaps", "naive", "primitives"]:
+        counts = tuple(methods.count(method) for method in ("primitives", "naive", "heatmaps"))
+        given = "{} of primitives, {} naive, {} of heatmaps".format(*counts)
+        raise typer.BadParameter(f"--concatenated compares one model of each kind; given are {given}")
+    return ModelFiles(**dict(zip(methods, files, strict=True))).load()
 
 
 def _compare(
@@ -238,7 +234,7 @@ def _is_model(file: Path) -> bool:
     return head[8:] == b"{" and 1 < int.from_bytes(head[:8], "little") <= file.stat().st_size
 
 
-def _load(files: list[Path]) -> dict[str, Model]:
+def _load(files: list[Path]) -> dict[str, MethodModel]:
     """By stem; by whole path where two have the same."""
     from lfdcore.wheelchair.models import load_model
 

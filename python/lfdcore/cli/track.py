@@ -84,7 +84,7 @@ def track(
 def _action_model(model: GoalModel, full: bool, device: Device | None) -> ActionModel | OtherActionModel:
     if device is None:
         return model.action_model("full" if full else "sparse")
-    from lfdcore.training.torch_action_model import full_action_model
+    from lfdcore.training.estimators.torch_action_model import full_action_model
 
     return full_action_model(model, device.value)
 

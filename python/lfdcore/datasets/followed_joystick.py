@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.datasets.motion import WINDOW
+from lfdcore.datasets.motion import WINDOW, mean_twist
 from lfdcore.datasets.safe_joystick import JoystickPairs
 from lfdcore.geometry import Twist2, wrap_angle
 
@@ -49,9 +49,7 @@ def _covered(log: DriveLog, horizon: float) -> NDArray[np.bool_]:
 
 
 def _mean_twist(log: DriveLog, stamp: NDArray[np.float64], horizon: float) -> NDArray[np.float64]:
-    """(N, 2) [m/s, rad/s], the distance along the heading in the middle of the turn."""
+    """(N, 2) [m/s, rad/s] from each stamp to `horizon` [s] later; of two ways to turn the shorter one."""
     before, after = log.pose_at(stamp), log.pose_at(stamp + horizon)
-    turn = wrap_angle(after[:, 2] - before[:, 2])
-    middle = before[:, 2] + turn / 2
-    step = after[:, :2] - before[:, :2]
-    return np.stack([step[:, 0] * np.cos(middle) + step[:, 1] * np.sin(middle), turn], axis=1) / horizon
+    after[:, 2] = before[:, 2] + wrap_angle(after[:, 2] - before[:, 2])
+    return mean_twist(before, after, horizon)

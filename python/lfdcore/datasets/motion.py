@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.safe_joystick import noted_limits, notes_limits
@@ -22,22 +22,28 @@ MOVING = 0.05
 _PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
 
 
+def mean_twist(before: Array, after: Array, span: ArrayLike) -> Array:
+    """Of moving from poses (N, 3) to (N, 3) in `span` [s], one or (N,) -> (N, 2) [m/s, rad/s]; yaws without a jump
+    between. The distance is taken along the heading in the middle of the turn."""
+    step = after - before
+    middle = (after[..., 2] + before[..., 2]) / 2
+    ahead = step[..., 0] * np.cos(middle) + step[..., 1] * np.sin(middle)
+    return np.asarray(np.stack([ahead, step[..., 2]], axis=-1) / np.asarray(span)[..., None])
+
+
 def windowed_twist(stamp: Array, pose: Array, window: float = WINDOW) -> Array:
     """Mean twist over the last `window` s before each odometry record -> (T, 2) [m/s, rad/s].
 
-    stamp (T,) [s] sorted, pose (T, 3) with continuous yaw. The distance is taken along the heading in the middle of the
-    turn. Nothing after a record reaches its twist; the first is 0, and the window is shorter near the beginning.
+    stamp (T,) [s] sorted, pose (T, 3) with continuous yaw. Nothing after a record reaches its twist; the first is 0,
+    and the window is shorter near the beginning.
     """
     if not len(stamp):
         return np.zeros((0, 2))
     begin = np.maximum(stamp - window, stamp[0])
     before = np.stack([np.interp(begin, stamp, pose[:, k]) for k in range(3)], axis=1)
-    step = pose - before
-    middle = (pose[:, 2] + before[:, 2]) / 2
-    ahead = step[:, 0] * np.cos(middle) + step[:, 1] * np.sin(middle)
     span = stamp - begin
     with np.errstate(over="ignore"):  # a DriveLog refuses the infinite speed by its record
-        return np.stack([ahead, step[:, 2]], axis=1) / np.where(span > 0, span, np.inf)[:, None]
+        return mean_twist(before, pose, np.where(span > 0, span, np.inf))
 
 
 def motion_limits(twist: Array) -> Twist2:

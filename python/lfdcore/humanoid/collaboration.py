@@ -10,7 +10,7 @@ import dataclasses
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,20 +30,22 @@ from lfdcore.primitives import (
 )
 
 KIND, VERSION = "lfdcore collaboration", 1
-_MOST_STEPS = 1e6 - 2
-"""of a motion (Dmp.rollout)"""
+_MOST_STEPS = 1e6 - 2  # of a motion (Dmp.rollout)
 _LARGEST = 1e15
 """of a learned parameter: beyond, a file is not of ours"""
 Array = NDArray[np.float64]
+Observed = Literal["positions", "forcing"]
+_CORE = InteractionPrimitiveConfig()  # whose defaults hold
+_OBSERVED = cast(Observed, _CORE.observe)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CollaborationConfig:
     """How a collaboration is learned. `thesis()` has the printed form."""
 
-    basis_functions: int = 20
+    basis_functions: int = _CORE.dmp.basis_functions
     """M of every degree of freedom (F13)"""
-    observe: Literal["positions", "forcing"] = "positions"
+    observe: Observed = _OBSERVED
     """What of the partner enters the likelihood: positions, or the forcing function as printed (5.11, 5.12), for which
     what a tracker saw is differentiated twice"""
     phase: Literal["likeliest", "warped"] = "likeliest"
@@ -51,11 +53,11 @@ class CollaborationConfig:
     printed (5.5)"""
     noise: float | None = None
     """sigma^2 of what is observed, in its unit squared; None: the fit's residual (F13)"""
-    environment_noise: float = 1e-3
+    environment_noise: float = _CORE.environment_noise
     """sigma_e^2 of the standardised environment (F13)"""
     environment: bool = True
     """False: a plain interaction primitive (Sec. 5.3), which does not look at the scene"""
-    printed_environment_weights: bool = False
+    printed_environment_weights: bool = _CORE.printed_environment_weights
     """e = w_e theta as printed after 5.16, in place of the joint Gaussian (ERRATA 42)"""
     steps: int = 500
     """of a demonstration while it is learned from, and of an inferred motion (Sec. 5.6)"""

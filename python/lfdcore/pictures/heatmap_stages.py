@@ -37,7 +37,7 @@ from lfdcore.planning import (
     UserHeatmap,
     user_heatmap,
 )
-from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPath, HeatmapPlanner, HeatmapPlannerConfig

@@ -8,11 +8,10 @@ import numpy as np
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
-from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.planner import PrimitivePath, PrimitivesPlanner
+from lfdcore.wheelchair.primitives.planner import PrimitivePath, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import Surroundings
 
 CANDIDATES = 24
@@ -29,6 +28,7 @@ class Moment:
     obstacles: ObstaclePoints
     chair: ChairGeometry
     planned: PrimitivePath
+    config: PrimitivesPlannerConfig
 
     @property
     def worth(self) -> float:
@@ -37,17 +37,14 @@ class Moment:
         return crowd * abs(self.planned.goal[1])
 
 
-def telling_moments(
-    model: DriveAssistantModel, log: DriveLog, paths: LocalPaths, config: DriveAssistantConfig | None = None
-) -> dict[str, Moment]:
+def telling_moments(model: DriveAssistantModel, log: DriveLog, paths: LocalPaths) -> dict[str, Moment]:
     """For each source of a path ('grid', 'hybrid_astar') the moment that is worth most (Moment.worth).
 
     Only scans from which the demonstrator then turned by 35-115 degrees are looked at, at most CANDIDATES of them,
     evenly spread. Empty if none of them gives a path.
     """
-    config = config or DriveAssistantConfig()
     chair = ChairGeometry(T_base_laser=log.T_base_laser)
-    planner, around = PrimitivesPlanner(model, config.primitives, chair), Surroundings(chair, config.map_duration)
+    planner, around = model.planner(chair), Surroundings(chair)
     best: dict[str, Moment] = {}
     wanted = _candidates(paths)
     for now in observations(log):
@@ -57,7 +54,7 @@ def telling_moments(
         grid = around.grid(now)
         planned = planner.plan(now, grid, obstacles)
         if planned is not None:
-            moment = Moment(now, grid, obstacles, chair, planned)
+            moment = Moment(now, grid, obstacles, chair, planned, planner.config)
             if planned.source not in best or moment.worth > best[planned.source].worth:
                 best[planned.source] = moment
     return dict(sorted(best.items()))

@@ -163,11 +163,11 @@ def intention_figure(moment: Moment) -> Figure:
 # ---- Fig. 3.10 -----------------------------------------------------------------------------------------------------
 
 
-def _landscape(moment: Moment, config: DriveAssistantConfig) -> tuple[NDArray[np.floating], NDArray[np.bool_], Array]:
+def _landscape(moment: Moment) -> tuple[NDArray[np.floating], NDArray[np.bool_], Array]:
     """Values (100, 100) after DPP, the cells it may not enter, and its greedy path (N, 2) [m]."""
-    reward, reach = moment.planned.reward, config.primitives.reward
-    blocked = _blocked(reward, reach) if config.primitives.dpp.blocked else np.zeros(reward.shape, dtype=bool)
-    result = DppSolver(config.primitives.dpp).solve(GridMdp(reward, blocked))
+    reward, reach, dpp = moment.planned.reward, moment.config.reward, moment.config.dpp
+    blocked = _blocked(reward, reach) if dpp.blocked else np.zeros(reward.shape, dtype=bool)
+    result = DppSolver(dpp).solve(GridMdp(reward, blocked))
     iy, ix = np.unravel_index(int(np.argmax(reward)), reward.shape)
     drawn: GreedyPath = greedy_path(result, START, (int(ix), int(iy)))
     centres = np.array(moment.grid.origin) + (drawn.cells + 0.5) * moment.grid.resolution
@@ -196,10 +196,10 @@ def _draw_rollout(axes: Axes, moment: Moment) -> None:
 
 
 @styled
-def planning_figure(moment: Moment, config: DriveAssistantConfig | None = None) -> Figure:
+def planning_figure(moment: Moment) -> Figure:
     """A: reward with the scaled primitive; B: values after DPP with its path; C: the pursuit rolled out (Fig. 3.10)."""
-    planned, config = moment.planned, config or DriveAssistantConfig()
-    values, blocked, drawn = _landscape(moment, config)
+    planned = moment.planned
+    values, blocked, drawn = _landscape(moment)
     figure = Figure(figsize=(PAGE, 3.2), layout="compressed")
     a, b, c = figure.subplots(1, 3)
     reward = draw_window(a, planned.reward, cmap=LANDSCAPE)
@@ -278,7 +278,6 @@ def _end_counts(paths: LocalPaths) -> str:
 def stage_figures(
     model: DriveAssistantModel,
     log: DriveLog,
-    config: DriveAssistantConfig | None = None,
     origin: str = "",
     others: Sequence[DriveLog] = (),
 ) -> list[Picture]:
@@ -287,7 +286,6 @@ def stage_figures(
     `origin` says in the captions where the log is from; `others` are the further logs that the model learned from, for
     the paths behind its primitives. ValueError if the log holds no local path.
     """
-    config = config or DriveAssistantConfig()
     paths = extract_local_paths(log)
     if not len(paths):
         raise ValueError(f"log {log.name!r} holds no local path: there is no stage to draw")
@@ -301,7 +299,7 @@ def stage_figures(
             f"window (dashed), and what the scan hit (grey). {len(paths)} paths end so: {_end_counts(paths)}. {source}",
         )
     ]
-    moments = telling_moments(model, log, paths, config)
+    moments = telling_moments(model, log, paths)
     first = moments.get("grid") or next(iter(moments.values()), None)
     if first is not None:
         at = f"{source} Scan at {first.observation.stamp:.1f} s."
@@ -323,8 +321,8 @@ def stage_figures(
     )
     for moment in moments.values():
         caption = f"{_planning_caption(moment)} {source} Scan at {moment.observation.stamp:.1f} s."
-        pictures.append(Picture(planning_figure(moment, config), caption))
-    threshold = config.compliance_threshold
+        pictures.append(Picture(planning_figure(moment), caption))
+    threshold = DriveAssistantConfig.compliance_threshold
     pictures.append(
         Picture(
             compliance_figure(model.compliance, threshold),

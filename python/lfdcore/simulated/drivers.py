@@ -20,6 +20,7 @@ from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, integrate, 
 from lfdcore.simulated.courses.course import Course
 from lfdcore.simulated.courses.routes import clearance_field
 from lfdcore.simulated.route_tracking import AutoregressiveNoise, DelayedView, MapSense, RouteTracker
+from lfdcore.wheelchair.observation import PERIOD
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -384,7 +385,7 @@ class ExpertDriver(Driver):
         return DriverInput(stick, stick.copy())
 
     def _moved_smoothly(self, stamp: float, wanted: FloatArray) -> FloatArray:
-        before, last = self._last or (stamp - 0.1, np.zeros(2))
+        before, last = self._last or (stamp - PERIOD, np.zeros(2))
         step = wanted - last
         most = self.config.stick_rate * (stamp - before)
         now = last + step * min(1.0, most / max(float(np.hypot(*step)), 1e-12))

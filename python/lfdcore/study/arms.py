@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -20,9 +19,9 @@ from lfdcore.wheelchair.assistants import (
     Supervised,
     Unassisted,
 )
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.models import Model, load_model
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
+from lfdcore.wheelchair.method import MethodModel
+from lfdcore.wheelchair.models import DRIVING, load_model
+from lfdcore.wheelchair.planner import Planner
 
 ARMS = ("none", "dwa", "primitives", "heatmaps")
 """Assistants of the study, the unassisted arm first."""
@@ -33,25 +32,36 @@ FOOTNOTE_ARMS = ("dwa_1s", "thesis", "heatmaps_thesis", "supervisor")
 the driver's own input."""
 
 
-METHODS = {"primitives": "primitives", "thesis": "primitives", "heatmaps": "heatmaps", "heatmaps_thesis": "heatmaps"}
-"""By what the learned arms were taught."""
+PRINTED = {"thesis": "primitives", "heatmaps_thesis": "heatmaps"}
+"""Arms that plan and drive as printed, by their method."""
+METHODS = {method: method for method in DRIVING} | PRINTED
+"""Learned arms by the method whose model they need: one that is named as any method drives with that method."""
+KNOWN_ARMS = tuple(dict.fromkeys((*ARMS, *FOOTNOTE_ARMS, *METHODS)))
 
 
-@dataclass(frozen=True)
 class StudyModels:
-    """Files of learned models; None where no arm needs one."""
+    """Files of learned models by method, as in StudyModels(primitives=path); None where no arm needs one."""
 
-    primitives: Path | None = None
-    heatmaps: Path | None = None
+    def __init__(self, **files: Path | None) -> None:
+        for method in files:
+            if method not in DRIVING:
+                raise ValueError(f"method is '{method}', must be one that drives: {', '.join(DRIVING)}")
+        self._files = {method: path for method, path in files.items() if path is not None}
 
-    def of(self, arm: str) -> DriveAssistantModel | HeatmapModel:
-        """The model that drives in an arm. ValueError without one."""
-        path = getattr(self, METHODS[arm])
+    def file(self, method: str) -> Path | None:
+        """Of a method's model; None without one."""
+        return self._files.get(method)
+
+    def of(self, arm: str) -> MethodModel:
+        """The model that drives in an arm. ValueError without one; ModelError as load_model, and for a file that holds
+        a model of another method."""
+        method = METHODS[arm]
+        path = self.file(method)
         if path is None:
-            raise ValueError(f"assistant '{arm}' needs a model of method {METHODS[arm]}, there is none")
+            raise ValueError(f"assistant '{arm}' needs a model of method {method}, there is none")
         model = _model(path)
-        if isinstance(model, NaiveHeatmapModel):
-            raise ModelError(f"{path} holds a naive heatmap, which drives nothing")
+        if model.method != method:
+            raise ModelError(f"{path} holds a model of method {model.method}, must be one of {method}")
         return model
 
 
@@ -61,9 +71,9 @@ def models_by_method(paths: Sequence[Path]) -> StudyModels:
     found: dict[str, Path] = {}
     for path in paths:
         model = _model(path)
-        if isinstance(model, NaiveHeatmapModel):
-            raise ValueError(f"{path} holds a naive heatmap, which drives nothing")
-        method = "heatmaps" if isinstance(model, HeatmapModel) else "primitives"
+        if not model.drives:
+            raise ValueError(f"{path} holds a {model.kind.removeprefix('lfdcore ')}, which drives nothing")
+        method = model.method
         if method in found:
             raise ValueError(f"{found[method]} and {path} are both models of method {method}, one is needed")
         found[method] = path
@@ -71,7 +81,7 @@ def models_by_method(paths: Sequence[Path]) -> StudyModels:
 
 
 @lru_cache(maxsize=4)
-def _model(path: Path) -> Model:
+def _model(path: Path) -> MethodModel:
     return load_model(path)
 
 
@@ -86,16 +96,23 @@ def make_assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:
         return DynamicWindowAssistant(chair, DynamicWindowConfig(horizon=1.0), name=arm)
     if arm == "supervisor":
         return Supervised(chair)
-    if arm in ("primitives", "heatmaps"):
-        return DriveAssistant(models.of(arm), chair, name=arm)
-    if arm in ("thesis", "heatmaps_thesis"):
-        return DriveAssistant(models.of(arm), chair, DriveAssistantConfig.thesis(), name=arm)
-    raise ValueError(f"assistant is '{arm}', must be one of {', '.join(ARMS + FOOTNOTE_ARMS)}")
+    require_arms([arm])
+    config = DriveAssistantConfig.thesis() if arm in PRINTED else DriveAssistantConfig()
+    return DriveAssistant(_planner(arm, models, run), config, arm)
+
+
+def planners(arms: Sequence[str], models: StudyModels, run: RunConfig) -> dict[str, Planner]:
+    """Of each learned arm among `arms`: what says whether a driver's input complied with a path."""
+    return {arm: _planner(arm, models, run) for arm in arms if arm in METHODS}
+
+
+def _planner(arm: str, models: StudyModels, run: RunConfig) -> Planner:
+    return models.of(arm).planner(run.geometry, thesis=arm in PRINTED)
 
 
 def require_arms(arms: Sequence[str]) -> None:
     """ValueError without an arm, for one that is unknown, empty or there twice."""
-    require_known("assistant", arms, ARMS + FOOTNOTE_ARMS)
+    require_known("assistant", arms, KNOWN_ARMS)
 
 
 def require_known(kind: str, names: Sequence[str], known: Sequence[str]) -> None:

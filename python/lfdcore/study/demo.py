@@ -75,11 +75,12 @@ def _a_posteriori(
     seed: int, folder: Path, models: StudyModels, naive: Path, mazes: Sequence[Path], tell: Progress
 ) -> list[Section]:
     """Table 4.2 and the stages of heatmaps: every method learned from the same drives through the mazes."""
-    if models.heatmaps is None:
+    heatmaps = models.file("heatmaps")
+    if heatmaps is None:
         return []
     progress = under(tell, "a posteriori")
     primitives = learn_rival_primitives(folder, [open_log(path) for path in mazes], progress)
-    return a_posteriori_sections(folder, ModelFiles(primitives, naive, models.heatmaps), mazes, seed, progress)
+    return a_posteriori_sections(folder, ModelFiles(primitives, naive, heatmaps), mazes, seed, progress)
 
 
 def _real_section(models: StudyModels) -> list[Section]:
@@ -88,9 +89,10 @@ def _real_section(models: StudyModels) -> list[Section]:
     if path is None:
         return [Section(title, f"None at hand: neither $LFDCORE_DATA/{FREIBURG} nor {SENA} (Debian's mrpt-common).")]
     log, predicting = _judged(path)
-    if models.primitives is not None:
-        predicting["simulated home"] = DriveAssistantModel.load(models.primitives)
-    prediction = predict_log(log, predicting)
+    primitives = models.file("primitives")
+    if primitives is not None:
+        predicting["simulated home"] = DriveAssistantModel.load(primitives)
+    prediction = predict_log(log, {name: model.predictor() for name, model in predicting.items()})
     caption = (
         f"As Fig. 3.16, {path.name}: map accumulated from the scans by odometry; predicted paths green where the later "
         "input complied, orange where not."

@@ -21,7 +21,7 @@ from lfdcore.training.drive_primitives import LearningConfig, first_share, learn
 from lfdcore.wheelchair.assistants import Unassisted
 
 if TYPE_CHECKING:
-    from lfdcore.training.heatmap_net import EpochLoss
+    from lfdcore.training.parts.heatmap_net import EpochLoss
 
 Progress = Callable[[int, int], None]
 StageProgress = Callable[[str, int, int], None]
@@ -158,7 +158,7 @@ def heatmaps_or_learned(
     if model is None:
         folder.mkdir(parents=True, exist_ok=True)
         return learn_heatmaps_from_demonstrations(folder, seed, under(tell, "heatmaps"), processes=processes)
-    if models_by_method([model]).heatmaps is None:
+    if models_by_method([model]).file("heatmaps") is None:
         raise ValueError(f"{model} holds primitives, must be heatmaps (lfdcore learn drive --method heatmaps)")
     return model
 

@@ -1,1 +1,1 @@
-"""Training that needs torch (extra `train`); what it makes runs without."""
+"""A file a `lfdcore learn`; `parts` of them; `estimators`: models of the core for other frameworks."""

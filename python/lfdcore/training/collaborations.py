@@ -1,4 +1,4 @@
-"""Learns a collaboration, and the noise of what is observed by leaving demonstrations out (ERRATA 41, F13)."""
+"""lfdcore learn collaboration: a model, and its observations' noise by leaving demonstrations out (ERRATA 41, F13)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def learn_collaboration(
     choice: NoiseChoice | None = None,
     progress: Progress | None = None,
 ) -> CollaborationModel:
-    """With the noise that foretells the robot's motion of demonstrations left out best; what `config` sets stays, and
+    """With the noise that predicts the robot's motion of demonstrations left out best; what `config` sets stays, and
     so does the fit's residual where fewer than 4 demonstrations are given, or where without each fold the environment
     would no longer vary. ValueError as CollaborationModel.fit."""
     config, choice = config or CollaborationConfig(), choice or NoiseChoice()
@@ -92,7 +92,7 @@ def _varies(demonstrations: Sequence[InteractionRecording]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _LeftOut:
-    """A demonstration, prepared for being foretold again and again."""
+    """A demonstration, prepared for being predicted again and again."""
 
     partials: tuple[InteractionRecording, ...]
     environment: dict[str, float]

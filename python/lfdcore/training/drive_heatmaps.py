@@ -1,10 +1,10 @@
-"""Learns the models of Ch. 4 from drive logs: the sensor heatmap and the joystick's meaning, or the naive network."""
+"""lfdcore learn drive --method heatmaps, naive: where drivers go, and what their stick means (Sec. 4.2-4.4, 4.6.2)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -13,16 +13,16 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
 from lfdcore.geometry import arc_length
-from lfdcore.training.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
-from lfdcore.training.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
-from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
+from lfdcore.training.parts.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
+from lfdcore.training.parts.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel, JoystickModelConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
 from lfdcore.wheelchair.window import WINDOW
 
 Progress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
+"""Called with (stage, done, total)"""
 _MOST_OWN = 20_000  # pairs, of 30 kB each, but for those that turns on the spot add
 
 
@@ -56,11 +56,14 @@ def _own_spacing(logs: Sequence[DriveLog]) -> float:
     return float(np.clip(way / _MOST_OWN, 0.05, WINDOW))
 
 
-@dataclass(frozen=True)
-class LearnedHeatmaps:
-    """model: to drive with; network: how its training went."""
+Model = TypeVar("Model", HeatmapModel, NaiveHeatmapModel)
 
-    model: HeatmapModel
+
+@dataclass(frozen=True)
+class LearnedHeatmaps(Generic[Model]):
+    """model: to drive or predict with; network: how its training went."""
+
+    model: Model
     network: TrainedHeatmapNet
 
 
@@ -69,7 +72,7 @@ def learn_heatmaps(
     config: HeatmapLearningConfig | None = None,
     progress: Progress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
-) -> LearnedHeatmaps:
+) -> LearnedHeatmaps[HeatmapModel]:
     """From demonstrations with a joystick (Sec. 4.2-4.4). ValueError as heatmap_pairs, learn_joystick and
     train_heatmap_net."""
     config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
@@ -102,13 +105,14 @@ def learn_naive_heatmap(
     config: HeatmapLearningConfig | None = None,
     progress: Progress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
-) -> tuple[NaiveHeatmapModel, TrainedHeatmapNet]:
+) -> LearnedHeatmaps[NaiveHeatmapModel]:
     """The same network on scan and stick in one image, its target the driver's own way alone (Sec. 4.6.2)."""
     config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
     targets, settings = replace(config.targets, paths="own"), replace(config.network, kind="naive")
     pairs = heatmap_pairs(logs, targets, lambda done, total: tell("targets", done, total))
     network = train_heatmap_net(pairs, settings, lambda done, total: tell("network", done, total), on_epoch)
-    return NaiveHeatmapModel(NaiveHeatmap(network.onnx), _metadata(logs, pairs, network)), network
+    model = NaiveHeatmapModel(NaiveHeatmap(network.onnx), _metadata(logs, pairs, network))
+    return LearnedHeatmaps(model, network)
 
 
 def _metadata(logs: Sequence[DriveLog], pairs: HeatmapPairs, network: TrainedHeatmapNet) -> dict[str, Any]:

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from lfdcore.datasets import joystick_from_motion
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import full_deflection
-from lfdcore.training.typical_paths import TypicalPathConfig, typical_paths
+from lfdcore.training.parts.typical_paths import TypicalPathConfig, typical_paths
 from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.primitives.local_paths import LocalPathConfig, LocalPaths, extract_local_paths
-from lfdcore.wheelchair.primitives.model import (
-    DriveAssistantModel,
-)
+from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.path_primitives import PathPrimitiveConfig, PathPrimitives
 
 
@@ -48,8 +46,7 @@ def learn_drive(
     config: LearningConfig | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> DriveAssistantModel:
-    """Learns from demonstrations (Sec. 3.2-3.4). progress(done, total) is told after every log and every
-    part.
+    """Learns from demonstrations (Sec. 3.2-3.4). progress(done, total) is called after every log and every part.
 
     ValueError if no log is given, or none holds a local path: it says what was found instead.
     """
@@ -72,8 +69,7 @@ def learn_drive(
     learned = typical_paths(paths, config.compliance.look_ahead, config.typical)
     compliance = ComplianceModel.fit(learned, config.compliance)
     tell(total, total)
-    metadata = _metadata(logs, paths) | {"full_deflection": [[*full_deflection(log)] for log in logs]}
-    return DriveAssistantModel(intention, primitives, compliance, _kept_clearance(paths), metadata)
+    return DriveAssistantModel(intention, primitives, compliance, _kept_clearance(paths), _metadata(logs, paths))
 
 
 def _kept_clearance(paths: LocalPaths) -> float:
@@ -97,6 +93,7 @@ def _metadata(logs: Sequence[DriveLog], paths: LocalPaths) -> dict[str, Any]:
         "ended_by": {str(name): int(count) for name, count in zip(names, counts, strict=True)},
         "dropped": {name: int(count) for name, count in sorted(paths.dropped.items())},
         "data_hash": _hash(paths),
+        "full_deflection": [[*full_deflection(log)] for log in logs],
     }
 
 

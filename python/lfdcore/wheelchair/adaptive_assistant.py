@@ -27,7 +27,6 @@ from lfdcore.wheelchair.heatmaps.joystick import (
     JoystickModelConfig,
 )
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 Floats = NDArray[np.float64]
@@ -122,15 +121,10 @@ class AdaptiveAssistant:
         self.chair = chair or ChairGeometry()
         self.adaptation = adaptation or AdaptationConfig()
         self.adapter = JoystickAdapter(model.joystick, self.adaptation.adapter)
-        self._drive = DriveAssistant(model, self.chair, config)
+        self.planner = model.planner(self.chair)
+        """With the joystick model as adapted so far"""
+        self._drive = DriveAssistant(self.planner, config)
         self._offset = SteeringOffset(self.adaptation)
-
-    @property
-    def planner(self) -> HeatmapPlanner:
-        """With the joystick model as adapted so far."""
-        planner = self._drive.planner
-        assert isinstance(planner, HeatmapPlanner)
-        return planner
 
     @property
     def turn(self) -> float:

@@ -1,6 +1,7 @@
-"""The assistants: none, DWA (App. E.2) and learned local intention (Ch. 3); one update a tick.
+"""The assistants: none, the supervisor alone, DWA (App. E.2), and one that follows planned paths (Ch. 3, Ch. 4).
 
-An assistant sees scan, odometry and joystick, nothing else. Its whole state is what it remembers of those.
+One update a tick. An assistant sees scan, odometry and joystick, nothing else. Its whole state is what it remembers of
+those.
 """
 
 from __future__ import annotations
@@ -23,13 +24,10 @@ from lfdcore.control import (
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.planner import PlannedPath, Planner
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.surroundings import Surroundings
+from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.planner import COMPLIANT_FROM, PlannedPath, Planner
+from lfdcore.wheelchair.stick import DEAD_ZONE
+from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 
 STOP = Twist2(0.0, 0.0)
 
@@ -67,7 +65,7 @@ class Supervised:
 
     name = "supervisor"
 
-    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = 120.0) -> None:
+    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = MEMORY) -> None:
         self.chair = chair or ChairGeometry()
         self._surroundings = Surroundings(self.chair, map_duration)
         self._supervisor = Supervisor(self.chair.footprint, self.chair.limits)
@@ -94,7 +92,7 @@ class DynamicWindowAssistant:
         chair: ChairGeometry | None = None,
         config: DynamicWindowConfig | None = None,
         projection: float = 1.0,
-        map_duration: float = 120.0,
+        map_duration: float = MEMORY,
         name: str = "dwa",
     ) -> None:
         self.name = name
@@ -129,11 +127,9 @@ class DynamicWindowAssistant:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveAssistantConfig:
-    """How the learned assistant drives. The printed values are those of `thesis()`."""
+    """How an assistant drives along planned paths. The printed values are those of `thesis()`."""
 
-    primitives: PrimitivesPlannerConfig = field(default_factory=PrimitivesPlannerConfig)
-    heatmaps: HeatmapPlannerConfig = field(default_factory=HeatmapPlannerConfig)
-    compliance_threshold: float = 0.9
+    compliance_threshold: float = COMPLIANT_FROM
     """Below it a new path is requested (Sec. 3.4.3)."""
     replan_after: float = 2.0
     """[s] A path is renewed at the latest after this, or long turns that look compliant circle; printed: never."""
@@ -142,14 +138,14 @@ class DriveAssistantConfig:
     replan_pause: float = 0.5
     """[s] For so long a path stays that was incompliant already when it was made, unless the stick turns: asking again
     at once would give the same; printed: 0."""
-    map_duration: float = 120.0
+    map_duration: float = MEMORY
     """Memory of the rolling map [s]; printed: the present scan only."""
     own_turn_after: float = np.radians(90)
     """A driver who goes on asking for a turn to one side after the chair has turned this far [rad] wants a tighter one
     than any path: the user's own input, supervised; printed: never."""
     own_turn_patience: float = 6.0
     """... or has asked for it this long [s], more than a turn takes at an usual speed; printed: never."""
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     """A joystick displaced less than this is at rest: stop."""
     reverse_from: float = np.radians(100)
     """Inputs at least this far [rad] from straight ahead are the user's own business (reversing), supervised."""
@@ -167,10 +163,9 @@ class DriveAssistantConfig:
 
     @staticmethod
     def thesis() -> DriveAssistantConfig:
-        """The printed loop, which drives into things (docs/decisions.md)."""
+        """The printed loop, which drives into things (docs/decisions.md). How paths are planned in it is the planner's
+        to say: `model.planner(chair, thesis=True)`."""
         return DriveAssistantConfig(
-            primitives=PrimitivesPlannerConfig.thesis(),
-            heatmaps=HeatmapPlannerConfig.thesis(),
             replan_after=float("inf"),
             refuse_below=0.0,
             replan_pause=0.0,
@@ -187,8 +182,8 @@ class DriveAssistantConfig:
 class _Smoother:
     """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant."""
 
-    def __init__(self, time_constant: float, period: float = 0.1) -> None:
-        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-period / time_constant)
+    def __init__(self, time_constant: float) -> None:
+        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-PERIOD / time_constant)
         self._inner = self._outer = STOP
 
     def restart(self, twist: Twist2) -> None:
@@ -245,20 +240,13 @@ class _Track:
 
 
 class DriveAssistant:
-    """Learned local intention, primitives and paths (Ch. 3): plan, track, let go at once when the driver disagrees."""
+    """Drives the planner's chair along its paths: plan, track, let go at once when the driver disagrees (Sec. 3.4)."""
 
-    def __init__(
-        self,
-        model: DriveAssistantModel | HeatmapModel,
-        chair: ChairGeometry | None = None,
-        config: DriveAssistantConfig | None = None,
-        name: str = "primitives",
-    ) -> None:
+    def __init__(self, planner: Planner, config: DriveAssistantConfig | None = None, name: str = "learned") -> None:
         self.name = name
-        self.model = model
-        self.chair = chair or ChairGeometry()
+        self.planner = planner
+        self.chair = planner.chair
         self.config = config or DriveAssistantConfig()
-        self.planner = _planner(model, self.config, self.chair)
         self._surroundings = Surroundings(self.chair, self.config.map_duration)
         self._supervisor = (
             None
@@ -372,12 +360,6 @@ class DriveAssistant:
         if allowed.changed or said.mode != "path":
             self._smoother.restart(allowed.twist)
         return replace(said, command=allowed.twist, supervised=allowed.changed)
-
-
-def _planner(model: DriveAssistantModel | HeatmapModel, config: DriveAssistantConfig, chair: ChairGeometry) -> Planner:
-    if isinstance(model, HeatmapModel):
-        return HeatmapPlanner(model, config.heatmaps, chair)
-    return PrimitivesPlanner(model, config.primitives, chair)
 
 
 def _track(planned: PlannedPath, observation: Observation) -> _Track:

@@ -8,9 +8,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.control import FootprintRollout
+from lfdcore.control import FootprintRollout, FootprintRolloutConfig
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
-from lfdcore.wheelchair.observation import Observation
+from lfdcore.wheelchair.observation import ChairGeometry, Observation
+
+LOOK_AHEAD = FootprintRolloutConfig().look_ahead
+"""[m] of pure pursuit, and of the control points that an input may comply with (Sec. 3.4.2-3.4.3)"""
+COMPLIANT_FROM = 0.9
+"""Compliance from which an input agrees with a path (Sec. 3.4.3)"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,11 +46,21 @@ class Compliance(Protocol):
         [0, 1]."""
 
 
-class Planner(Compliance, Protocol):
-    """From an observation to a path that the chair's body can follow."""
+class Judge(Compliance, Protocol):
+    """Judges compliance with control points up to a look-ahead."""
 
-    look_ahead: float
-    """Of pure pursuit [m], the one that compliance is defined for (Sec. 3.4.2-3.4.3)."""
+    @property
+    def look_ahead(self) -> float:
+        """Of pure pursuit [m], the one that compliance is defined for (Sec. 3.4.2-3.4.3)."""
+
+
+class Planner(Judge, Protocol):
+    """From an observation to a path that the body of one chair can follow. It keeps its solvers' memory between calls,
+    so that it belongs to one assistant."""
+
+    @property
+    def chair(self) -> ChairGeometry:
+        """Whose paths it plans."""
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> PlannedPath | None:
         """A path for the driver's input; None if nothing is intended or nothing leads there without contact.

@@ -23,6 +23,8 @@ from lfdcore.errors import DataError
 from lfdcore.geometry import Twist2
 
 Floats = NDArray[np.float64]
+DEAD_ZONE = 0.05
+"""A stick displaced less than this is at rest: it says nothing of what its driver wants."""
 
 
 class Learned(Protocol):

@@ -7,11 +7,14 @@ import numpy as np
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 
+MEMORY = 120.0
+"""[s] that the rolling map remembers a scan"""
+
 
 class Surroundings:
     """What is around the chair: a rolling map of recent scans, since the LIDAR never sees beside the body."""
 
-    def __init__(self, chair: ChairGeometry, duration: float) -> None:
+    def __init__(self, chair: ChairGeometry, duration: float = MEMORY) -> None:
         self._chair = chair
         self._map = RollingMap(duration)
         self._now = self._newest_scan = -np.inf

@@ -13,9 +13,8 @@ from dataclasses import replace
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.method import MethodModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 TURNED = Pose2(0.0, 0.0, math.pi)
 """The chair as seen by one who takes its back for its front."""
@@ -31,7 +30,7 @@ class TwoWayAssistant:
 
     def __init__(
         self,
-        model: DriveAssistantModel | HeatmapModel,
+        model: MethodModel,
         chair: ChairGeometry | None = None,
         config: DriveAssistantConfig | None = None,
         name: str = "two_way",
@@ -39,10 +38,10 @@ class TwoWayAssistant:
         self.name = name
         self.chair = chair or ChairGeometry()
         self.config = config or DriveAssistantConfig()
-        self._ahead = DriveAssistant(model, self.chair, self.config)
+        self._ahead = DriveAssistant(model.planner(self.chair), self.config)
         # to the side of a reversing chair: a turn on the spot, the user's own
         aside = replace(self.config, reverse_from=math.pi - self.config.reverse_from)
-        self._behind = DriveAssistant(model, turned_chair(self.chair), aside)
+        self._behind = DriveAssistant(model.planner(turned_chair(self.chair)), aside)
         self._backwards = False
 
     def reset(self) -> None:

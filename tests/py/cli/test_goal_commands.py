@@ -80,11 +80,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def quick(monkeypatch) -> None:
     """A search that takes no minutes."""
-    from lfdcore.training import goal_models, goal_net
+    from lfdcore.training import goals
+    from lfdcore.training.parts.goal_net import GoalNetConfig
 
-    network = goal_net.GoalNetConfig(epochs=2)
-    small = partial(goal_models.GoalLearningConfig, network=network, search_samples=40, searches=1, generations=2)
-    monkeypatch.setattr(goal_models, "GoalLearningConfig", small)
+    network = GoalNetConfig(epochs=2)
+    small = partial(goals.GoalLearningConfig, network=network, search_samples=40, searches=1, generations=2)
+    monkeypatch.setattr(goals, "GoalLearningConfig", small)
 
 
 def test_learn_goals_writes_a_model_that_info_describes(folder, quick, monkeypatch, capsys, tmp_path) -> None:

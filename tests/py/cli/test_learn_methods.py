@@ -217,7 +217,8 @@ def test_what_cannot_be_learned_is_one_clear_line(folder, monkeypatch, capsys, w
 def test_without_the_training_extra_heatmaps_say_what_is_missing(folder, monkeypatch, capsys, words) -> None:
     monkeypatch.chdir(folder)
     monkeypatch.setitem(sys.modules, "torch", None)
-    for name in [n for n in sys.modules if n.startswith(("lfdcore.training.heatmap_net", "lfdcore.training.drive_"))]:
+    needing = ("lfdcore.training.parts.heatmap_net", "lfdcore.training.drive_")
+    for name in [n for n in sys.modules if n.startswith(needing)]:
         monkeypatch.delitem(sys.modules, name)
     code, _, err = run(monkeypatch, capsys, *words)
     assert code == 1

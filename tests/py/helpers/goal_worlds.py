@@ -74,8 +74,8 @@ def tiny_model(count: int = 40, *, seed: int = 1, **config: object) -> GoalModel
 @cache
 def learned() -> GoalModel:
     """A model of three drives to every goal, learned in about a second; needs torch."""
-    from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
-    from lfdcore.training.goal_net import GoalNetConfig
+    from lfdcore.training.goals import GoalLearningConfig, learn_goals
+    from lfdcore.training.parts.goal_net import GoalNetConfig
 
     network = GoalNetConfig(epochs=30)
     config = GoalLearningConfig(network=network, search_samples=120, searches=1, generations=10, subset=120)

@@ -17,7 +17,7 @@ from lfdcore.wheelchair.primitives.model import DriveAssistantModel  # noqa: E40
 
 
 def main(model: str, log: str) -> None:
-    assistant = DriveAssistant(DriveAssistantModel.load(Path(model)))
+    assistant = DriveAssistant(DriveAssistantModel.load(Path(model)).planner())
     for seen in observations(open_log(Path(log))):
         said = assistant.update(seen)
         print(repr(seen.stamp), *map(repr, said.command), said.mode, said.planned)

@@ -13,7 +13,7 @@ from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.humanoid.collaboration import KIND, VERSION, CollaborationConfig, CollaborationModel
-from lfdcore.primitives import Dmp
+from lfdcore.primitives import Dmp, InteractionPrimitiveConfig
 from lifts import DURATION, PARTNER, SAMPLES, lift, lifts
 
 CONFIG = CollaborationConfig(steps=80)
@@ -26,6 +26,13 @@ def hidden(one: InteractionRecording, rows: slice, columns: slice = slice(None))
     partner = one.partner.copy()
     partner[rows, columns] = np.nan
     return dataclasses.replace(one, partner=partner)
+
+
+def test_the_core_s_defaults_are_the_collaboration_s() -> None:
+    ours, core = CollaborationConfig().primitive(), InteractionPrimitiveConfig()
+    for name in ("observe", "noise", "environment_noise", "printed_environment_weights"):
+        assert getattr(ours, name) == getattr(core, name)
+    assert ours.dmp.basis_functions == core.dmp.basis_functions
 
 
 # -- oracles --------------------------------------------------------------------------------------------------------

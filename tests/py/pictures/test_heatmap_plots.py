@@ -12,7 +12,7 @@ from lfdcore.pictures.heatmap_stages import heat_moment, heatmap_figures, widest
 from lfdcore.pictures.style import png
 from lfdcore.study.demonstrations import demonstrate_in_mazes, drive_to_destinations
 from lfdcore.study.heatmaps.report import heatmap_section, held_out_logs
-from lfdcore.training.heatmap_targets import HeatmapPairs
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 
 

@@ -295,7 +295,9 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
     short = replace(doorway_and_docking(3).course, name="short")
     arms = ("none", "primitives")
-    study = DrivingPlan(courses=(short,), models=StudyModels(tmp_path / "m.safetensors"), arms=arms, drivers=2)
+    study = DrivingPlan(
+        courses=(short,), models=StudyModels(primitives=tmp_path / "m.safetensors"), arms=arms, drivers=2
+    )
     result = WholeResult(run_driving_plan(study, processes=1), None, (path,))
     command = "lfdcore study driving"
     report = write_study(DrivingStudy(), findings(result), tmp_path, command)

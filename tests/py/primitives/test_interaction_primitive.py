@@ -269,7 +269,7 @@ def test_a_model_restored_from_its_arrays_gives_identical_answers() -> None:
 
 def test_demonstrations_of_different_length_are_compared_by_time() -> None:
     partner, robot, boxes = motions(8)
-    config = InteractionPrimitiveConfig(dmp=DMP)
+    config = InteractionPrimitiveConfig(dmp=DMP, observe="forcing")
     every = InteractionPrimitive.fit(partner, robot, boxes, config).parameters
     thinned = [[y[::2] if j % 2 else y for j, y in enumerate(side)] for side in (partner, robot)]
     some = InteractionPrimitive.fit(*thinned, boxes, config).parameters
@@ -279,7 +279,7 @@ def test_demonstrations_of_different_length_are_compared_by_time() -> None:
 def test_the_default_noise_is_the_pooled_residual() -> None:
     """ERRATA F13, 41."""
     partner, _, _ = motions(8)
-    model = primitive()
+    model = primitive(observe="forcing")
     phi, rest = basis(phases(STEPS, DMP), DMP), []
     for y in partner:
         h = 1 / (STEPS - 1)

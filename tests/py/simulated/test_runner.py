@@ -70,7 +70,7 @@ def study(home_model: Path) -> DrivingPlan:
     course = flat()
     return DrivingPlan(
         courses=(course,),
-        models=StudyModels(home_model),
+        models=StudyModels(primitives=home_model),
         arms=("none", "dwa", "primitives"),
         drivers=2,
         seed=5,
@@ -152,9 +152,8 @@ def test_failures_stay_in_a_studys_rows(study: DrivingPlan) -> None:
 def test_the_drive_log_of_a_run_agrees_with_its_trace(home_model: Path, tmp_path: Path) -> None:
     course = flat()
     run, path = for_seconds(course, 10), tmp_path / "run.mcap"
-    trace = run_drive(
-        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), run), 1, run, path
-    )
+    assistant = make_assistant("primitives", StudyModels(primitives=home_model), run)
+    trace = run_drive(course, ImpairedDriver(course), assistant, 1, run, path)
     log = open_log(path)
     assert log.name == course.name and "incomplete" not in log.metadata
     assert log.ranges.shape == (len(trace.stamp), run.lidar.beams)
@@ -201,14 +200,14 @@ def test_an_error_in_a_job_reaches_the_caller(processes: int) -> None:
 
 def test_an_unknown_arm_is_refused_by_name(home_model: Path) -> None:
     with pytest.raises(ValueError, match=r"'magic'.*none.*dwa.*primitives"):
-        make_assistant("magic", StudyModels(home_model), RunConfig())
+        make_assistant("magic", StudyModels(primitives=home_model), RunConfig())
 
 
 @pytest.mark.parametrize("arm", [*ARMS, *FOOTNOTE_ARMS])
 def test_every_arm_drives(arm: str, home_model: Path, heatmap_model: Path) -> None:
     course = flat()
     run = for_seconds(course, 6)
-    make = partial(make_assistant, arm, StudyModels(home_model, heatmap_model), run)
+    make = partial(make_assistant, arm, StudyModels(primitives=home_model, heatmaps=heatmap_model), run)
     trace = run_drive(course, ImpairedDriver(course), make(), 1, run)
     assert trace.assistant == arm
     assert np.hypot(*(trace.pose[-1, :2] - trace.pose[0, :2])) > 0.5

@@ -74,7 +74,8 @@ def test_a_chair_beside_a_wall_is_not_frozen(gap: float, angular: float) -> None
 def test_assisted_drivers_finish_the_flat_without_contact(number: int, home_model: Path) -> None:
     course, run = flat(), RunConfig()
     driver = ImpairedDriver(course, population(2, 1)[number])
-    trace = run_drive(course, driver, make_assistant("primitives", StudyModels(home_model), run), 1 + number, run)
+    assistant = make_assistant("primitives", StudyModels(primitives=home_model), run)
+    trace = run_drive(course, driver, assistant, 1 + number, run)
     assert trace.completed
     assert trace.collision.sum() == 0 and not trace.in_contact.any()
 
@@ -86,7 +87,7 @@ def test_the_same_drivers_unassisted_touch_something(home_model: Path) -> None:
         trace = run_drive(
             course,
             ImpairedDriver(course, config),
-            make_assistant("none", StudyModels(home_model), run),
+            make_assistant("none", StudyModels(primitives=home_model), run),
             1 + number,
             run,
         )

@@ -7,7 +7,7 @@ import pytest
 def pairs():
     """Pairs of three drives around a corner and three straight on."""
     from heatmap_drives import around_the_corner, corridor_log
-    from lfdcore.training.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
+    from lfdcore.training.parts.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 
     starts = [(0.0, y, 0.0) for y in (-0.2, 0.0, 0.2)]
     logs = [around_the_corner(start=start, place="L") for start in starts]
@@ -17,6 +17,6 @@ def pairs():
 
 @pytest.fixture(scope="session")
 def trained(pairs):
-    from lfdcore.training.heatmap_net import HeatmapNetConfig, train_heatmap_net
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig, train_heatmap_net
 
     return train_heatmap_net(pairs, HeatmapNetConfig(width=8, epochs=12, batch=8, learning_rate=1e-2))

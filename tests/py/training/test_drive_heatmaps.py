@@ -10,7 +10,7 @@ from lfdcore.datasets import followed_pairs, full_deflection, joystick_pairs
 from lfdcore.datasets.safe_joystick import limits_note
 from lfdcore.geometry import MotionLimits
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
-from lfdcore.training.gp_hyperparameters import fit_joystick_model
+from lfdcore.training.parts.gp_hyperparameters import fit_joystick_model
 
 LIMITS = MotionLimits(max_linear=2.0, max_reverse=0.5, max_angular=1.5)
 

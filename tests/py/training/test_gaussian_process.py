@@ -17,8 +17,8 @@ from lfdcore.estimation import (
     Kernel,
     differential_evolution,
 )
-from lfdcore.training.gaussian_process_regressor import GaussianProcessRegressor
-from lfdcore.training.gp_hyperparameters import (
+from lfdcore.training.estimators.gaussian_process_regressor import GaussianProcessRegressor
+from lfdcore.training.parts.gp_hyperparameters import (
     HyperParameterConfig,
     fit_gaussian_process,
     fit_hyper_parameters,

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from goal_worlds import drives, samples_of
-from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
+from lfdcore.training.parts.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.wheelchair.goals.network import sigmoid
 
 QUICK = GoalNetConfig(epochs=40)

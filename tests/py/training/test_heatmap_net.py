@@ -10,8 +10,8 @@ import torch
 
 from heatmap_drives import around_the_corner
 from lfdcore.errors import ModelError
-from lfdcore.training.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx, train_heatmap_net
-from lfdcore.training.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
+from lfdcore.training.parts.heatmap_net import HeatmapNet, HeatmapNetConfig, export_onnx, train_heatmap_net
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap, naive_images
 
 SMALL = HeatmapNetConfig(width=4, epochs=2, batch=16)

@@ -12,7 +12,7 @@ from heatmap_drives import around_the_corner, corridor_log
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
-from lfdcore.training.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs
+from lfdcore.training.parts.heatmap_targets import STEP, HeatmapTargetConfig, draw_target, heatmap_pairs
 
 ALL_FREE = np.ones((100, 100), bool)
 BARE = HeatmapTargetConfig(sigma=0.0, path_radius=0.0, end_radius=0.0)

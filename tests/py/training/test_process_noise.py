@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from goal_worlds import GOALS, drives, learned, samples_of, tiny_model
-from lfdcore.training.process_noise import best_calibrated, leave_drives_out
+from lfdcore.training.parts.process_noise import best_calibrated, leave_drives_out
 from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import track_beliefs

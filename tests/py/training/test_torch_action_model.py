@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from goal_worlds import GOALS, drives, samples_of
 from lfdcore.estimation import ActionKernel, ActionModel, IntentionFilter
-from lfdcore.training.torch_action_model import TorchActionModel, full_action_model
+from lfdcore.training.estimators.torch_action_model import TorchActionModel, full_action_model
 from lfdcore.wheelchair.goals.model import GoalFilter, GoalFilterConfig, GoalModel, prior_belief
 from lfdcore.wheelchair.goals.network import GoalNetwork
 

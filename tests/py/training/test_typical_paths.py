@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
-from lfdcore.training.typical_paths import TypicalPathConfig, typical, typical_paths
+from lfdcore.training.parts.typical_paths import TypicalPathConfig, typical, typical_paths
 from lfdcore.wheelchair.primitives.compliance import ComplianceModel
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths
 

@@ -23,7 +23,7 @@ from lfdcore.wheelchair.assistants import (
 )
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.planner import PrimitivesPlannerConfig
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import Surroundings
 from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
@@ -89,7 +89,7 @@ def model(home_model: Path) -> DriveAssistantModel:
 
 @pytest.fixture
 def assistant(model: DriveAssistantModel) -> DriveAssistant:
-    return DriveAssistant(model)
+    return DriveAssistant(model.planner())
 
 
 def test_a_joystick_at_rest_stops_the_chair_whatever_it_did(assistant: DriveAssistant) -> None:
@@ -204,7 +204,7 @@ def test_some_missing_beams_change_little(model: DriveAssistantModel) -> None:
     whole = seen_from(OFF_CENTRE, L_WALLS)
     gappy = np.array(whole.ranges)
     gappy[20:25] = np.nan
-    said = [DriveAssistant(model).update(observe((0.7, 0.0), scan=scan)) for scan in (whole, scan_of(gappy))]
+    said = [DriveAssistant(model.planner()).update(observe((0.7, 0.0), scan=scan)) for scan in (whole, scan_of(gappy))]
     assert said[0].mode == said[1].mode == "path"
     assert tuple(said[0].command) == pytest.approx(tuple(said[1].command), abs=0.05)
 
@@ -224,7 +224,7 @@ def test_an_observation_that_is_not_finite_is_refused(where: str) -> None:
 
 @pytest.mark.parametrize("name", ["primitives", "dwa"])
 def test_stamps_that_go_back_are_refused_and_a_reset_allows_them(model: DriveAssistantModel, name: str) -> None:
-    assistant: Assistant = DriveAssistant(model) if name == "primitives" else DynamicWindowAssistant()
+    assistant: Assistant = DriveAssistant(model.planner()) if name == "primitives" else DynamicWindowAssistant()
     assistant.update(observe((0.5, 0.0), stamp=5.0))
     with pytest.raises(ValueError, match="stamp"):
         assistant.update(observe((0.5, 0.0), stamp=4.9))
@@ -235,7 +235,7 @@ def test_stamps_that_go_back_are_refused_and_a_reset_allows_them(model: DriveAss
 @pytest.mark.parametrize("name", ["none", "dwa", "primitives"])
 def test_a_reset_makes_the_next_drive_as_the_first(model: DriveAssistantModel, name: str) -> None:
     made: dict[str, Assistant] = {"none": Unassisted(), "dwa": DynamicWindowAssistant()}
-    assistant = made.get(name) or DriveAssistant(model)
+    assistant = made.get(name) or DriveAssistant(model.planner())
     runs = []
     for _ in range(2):
         assistant.reset()
@@ -251,8 +251,8 @@ def test_a_mirrored_world_and_joystick_give_nearly_mirrored_commands(
     mirrored = L_WALLS * [1, -1]
     for x in (0.0, 2.0, 4.0):
         pose, other = Pose2(x + 0.013, 0.107, 0.1), Pose2(x + 0.013, -0.107, -0.1)
-        a = DriveAssistant(model).update(observe(stick, pose=pose))
-        b = DriveAssistant(model).update(observe((stick[0], -stick[1]), pose=other, walls=mirrored))
+        a = DriveAssistant(model.planner()).update(observe(stick, pose=pose))
+        b = DriveAssistant(model.planner()).update(observe((stick[0], -stick[1]), pose=other, walls=mirrored))
         assert a.mode == b.mode
         assert a.command.linear == pytest.approx(b.command.linear, abs=0.05)
         assert a.command.angular == pytest.approx(-b.command.angular, abs=0.08)
@@ -305,7 +305,7 @@ def test_a_steady_compliant_stick_keeps_its_path_for_a_while(assistant: DriveAss
 
 def test_memory_does_not_grow_over_two_thousand_updates(model: DriveAssistantModel) -> None:
     few_sweeps = PrimitivesPlannerConfig(dpp=DppConfig(sweeps=20))  # as much memory, less time
-    assistant = DriveAssistant(model, config=DriveAssistantConfig(primitives=few_sweeps))
+    assistant = DriveAssistant(PrimitivesPlanner(model, few_sweeps, ChairGeometry()))
     lived = [seen for seen, _ in drive(assistant, wandering, 200)]
     assistant.reset()
     for lap in range(12):
@@ -333,7 +333,7 @@ def test_nothing_a_driver_does_in_the_corridor_touches_it(assistant: DriveAssist
 
 def test_every_command_has_passed_the_supervisor(model: DriveAssistantModel) -> None:
     """Asked again with the same obstacles, it changes nothing."""
-    assistant, supervisor, memory = DriveAssistant(model), Supervisor(), RollingMap(30.0)
+    assistant, supervisor, memory = DriveAssistant(model.planner()), Supervisor(), RollingMap(30.0)
     for seen, said in drive(assistant, wandering, 150):
         memory.insert(seen.stamp, seen.scan, T_BASE_LASER, seen.pose)
         allowed = supervisor.filter(said.command, seen.twist, memory.obstacles(seen.pose))
@@ -341,7 +341,7 @@ def test_every_command_has_passed_the_supervisor(model: DriveAssistantModel) -> 
 
 
 def test_the_printed_loop_drives(model: DriveAssistantModel) -> None:
-    assistant = DriveAssistant(model, config=DriveAssistantConfig.thesis())
+    assistant = DriveAssistant(model.planner(thesis=True), DriveAssistantConfig.thesis())
     assert {said.mode for _, said in drive(assistant, lambda _: (0.7, 0.0), 10)} == {"path"}
 
 
@@ -387,9 +387,9 @@ def test_a_turn_after_a_rest_or_reversing_is_a_new_one(assistant: DriveAssistant
 
 def test_a_path_that_leads_against_the_stick_is_not_followed(model: DriveAssistantModel) -> None:
     always = dataclasses.replace(DriveAssistantConfig(), refuse_below=1.1)
-    modes = {said.mode for _, said in drive(DriveAssistant(model, config=always), lambda _: (0.8, 0.0), 10)}
+    modes = {said.mode for _, said in drive(DriveAssistant(model.planner(), config=always), lambda _: (0.8, 0.0), 10)}
     assert modes == {"no_path"}
-    assert drive(DriveAssistant(model), lambda _: (0.8, 0.0), 10)[-1][1].mode == "path"
+    assert drive(DriveAssistant(model.planner()), lambda _: (0.8, 0.0), 10)[-1][1].mode == "path"
 
 
 def test_the_bare_supervisor_gives_the_joysticks_twist_where_there_is_room_and_stops_at_a_wall() -> None:

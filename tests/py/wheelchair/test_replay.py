@@ -26,9 +26,8 @@ def drive(home_model: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[P
     course = flat()
     config = RunConfig(slowest=course.length / SECONDS)  # too little time for the whole course
     path = tmp_path_factory.mktemp("replay") / "drive.mcap"
-    trace = run_drive(
-        course, ImpairedDriver(course), make_assistant("primitives", StudyModels(home_model), config), 3, config, path
-    )
+    assistant = make_assistant("primitives", StudyModels(primitives=home_model), config)
+    trace = run_drive(course, ImpairedDriver(course), assistant, 3, config, path)
     return path, trace
 
 

@@ -28,16 +28,16 @@ from lfdcore.simulated.run import run_drive
 from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig
 from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_joystick
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
-from lfdcore.training.goal_models import GoalLearningConfig, learn_goals
+from lfdcore.training.goals import GoalLearningConfig, learn_goals
 from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig, Unassisted
 from lfdcore.wheelchair.goals.model import GoalFilter
 from lfdcore.wheelchair.goals.samples import drive_samples
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.planner import Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
@@ -47,6 +47,8 @@ PRESETS: dict[str, tuple[Any, Any]] = {
     "goal_learning": (GoalLearningConfig.thesis(), GoalLearningConfig()),
     "collaboration": (CollaborationConfig.thesis(), CollaborationConfig()),
     "assistant": (DriveAssistantConfig.thesis(), DriveAssistantConfig()),
+    "primitives": (PrimitivesPlannerConfig.thesis(), PrimitivesPlannerConfig()),
+    "heatmaps": (HeatmapPlannerConfig.thesis(), HeatmapPlannerConfig()),
     "prediction": (PathPredictionConfig.thesis(), PathPredictionConfig()),
 }
 
@@ -276,18 +278,35 @@ def landscapes(planner: HeatmapPlanner) -> Iterator[bytes]:
         yield planner.solve(grid, heat, 0.25).values().tobytes()
 
 
+def driven(planner: Planner, config: DriveAssistantConfig | None = None) -> Iterator[Any]:
+    """Commands along drives through scenes."""
+    assistant = DriveAssistant(planner, config)
+    for scene in SCENES:
+        assistant.reset()
+        yield from scene.commands(assistant)
+
+
 def assistant_outcome(
     config: DriveAssistantConfig, model: DriveAssistantModel, heatmaps: HeatmapModel
 ) -> Iterator[Any]:
-    """Paths in hand-made windows, commands along drives through scenes, by both methods."""
-    yield from planned_paths(PrimitivesPlanner(model, config.primitives, ChairGeometry()))
-    over_heatmaps = HeatmapPlanner(heatmaps, config.heatmaps, ChairGeometry())
-    yield from planned_paths(over_heatmaps)
-    yield from landscapes(over_heatmaps)
-    for scene in SCENES:
-        yield from scene.commands(DriveAssistant(model, config=config))
-    for scene in SCENES:
-        yield from scene.commands(DriveAssistant(heatmaps, config=config))
+    """Drives along the paths of both methods."""
+    yield from driven(model.planner(), config)
+    yield from driven(heatmaps.planner(), config)
+
+
+def primitives_outcome(config: PrimitivesPlannerConfig, model: DriveAssistantModel) -> Iterator[Any]:
+    """Paths in hand-made windows, drives along paths."""
+    planner = PrimitivesPlanner(model, config, ChairGeometry())
+    yield from planned_paths(planner)
+    yield from driven(planner)
+
+
+def heatmaps_outcome(config: HeatmapPlannerConfig, model: HeatmapModel) -> Iterator[Any]:
+    """As primitives', and what their paths are drawn from."""
+    planner = HeatmapPlanner(model, config, ChairGeometry())
+    yield from planned_paths(planner)
+    yield from landscapes(planner)
+    yield from driven(planner)
 
 
 @pytest.fixture(scope="module")
@@ -296,20 +315,18 @@ def outcome(
 ) -> Callable[[str, Any], Iterator[Any]]:
     """(config's kind, config) -> its outcome, piece by piece."""
 
-    def of(kind: str, config: Any) -> Iterator[Any]:
-        if kind == "learning":
-            return learning_outcome(config, [log, restless], seen)
-        if kind == "heatmap_learning":
-            return joystick_outcome(config, log)
-        if kind == "goal_learning":
-            return goal_outcome(config)
-        if kind == "collaboration":
-            return collaboration_outcome(config)
-        if kind == "prediction":
-            return prediction_outcome(config, model, seen, log.T_base_laser)
-        return assistant_outcome(config, model, HeatmapModel.load(heatmap_model))
-
-    return of
+    heatmaps = HeatmapModel.load(heatmap_model)
+    outcomes: dict[str, Callable[[Any], Iterator[Any]]] = {
+        "learning": lambda config: learning_outcome(config, [log, restless], seen),
+        "heatmap_learning": lambda config: joystick_outcome(config, log),
+        "goal_learning": goal_outcome,
+        "collaboration": collaboration_outcome,
+        "prediction": lambda config: prediction_outcome(config, model, seen, log.T_base_laser),
+        "assistant": lambda config: assistant_outcome(config, model, heatmaps),
+        "primitives": lambda config: primitives_outcome(config, model),
+        "heatmaps": lambda config: heatmaps_outcome(config, heatmaps),
+    }
+    return lambda kind, config: outcomes[kind](config)
 
 
 @pytest.fixture(scope="module")

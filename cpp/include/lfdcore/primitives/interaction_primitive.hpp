@@ -13,9 +13,9 @@ namespace lfdcore {
 
 struct InteractionPrimitiveConfig {
   DmpConfig dmp{};
-  /// What of the partner enters the likelihood, and by what the demonstrations are fitted: the forcing function (5.11),
-  /// or the positions themselves.
-  Observed observe = Observed::forcing;
+  /// What of the partner enters the likelihood, and by what the demonstrations are fitted: the positions themselves,
+  /// or the forcing function as printed (5.11), which differentiates twice.
+  Observed observe = Observed::positions;
   /// sigma^2, a variance in the unit of what is observed (ERRATA 41). Default: the partner's squared residual after the
   /// fit, pooled over samples, dimensions and demonstrations (ERRATA F13).
   std::optional<double> noise{};

@@ -17,14 +17,13 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.errors import ModelError
 from lfdcore.geometry import wrap_angle
 from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import AbleConfig, able_population
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels, courses_by_name
+from lfdcore.study.arms import courses_by_name
 from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.study import Option, Progress, Study, silent
@@ -32,14 +31,13 @@ from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssi
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.stick import DEAD_ZONE
 
 Floats = NDArray[np.float64]
 BIAS = 0.3
 """[rad]"""
 STAGES = ("before", "then", "adapting")
 """The trained model, the one of `after` seconds, the one of each tick."""
-AT_REST = 0.05
-"""A stick displaced less than this has no orientation to err by."""
 
 
 class _Watched:
@@ -146,9 +144,7 @@ class _Drive:
 
     def run(self) -> AdaptationRun:
         study, simulated = self.study, self.study.run
-        model = StudyModels(heatmaps=self.model).of("heatmaps")
-        if not isinstance(model, HeatmapModel):
-            raise ModelError(f"{self.model} holds no heatmaps")
+        model = HeatmapModel.load(self.model)
         watched = _Watched(AdaptiveAssistant(model, simulated.geometry, adaptation=study.adaptation), study.after)
         driver = BiasedDriver(self.course, self.bias, self.driver)
         trace = run_drive(self.course, driver, watched, study.seed + self.number, simulated)
@@ -156,7 +152,7 @@ class _Drive:
 
     def _judged(self, trace: DriveTrace, trained: JoystickModel, watched: _Watched) -> AdaptationRun:
         raw, meant, after = trace.joystick, trace.desired, self.study.after
-        at_rest = np.minimum(np.hypot(*raw.T), np.hypot(*meant.T)) <= AT_REST
+        at_rest = np.minimum(np.hypot(*raw.T), np.hypot(*meant.T)) <= DEAD_ZONE  # it has no orientation to err by
         then = watched.model_then
         if then is None or not (~at_rest & (trace.stamp > after)).any():
             raise ValueError(f"the drive of {trace.course} took {trace.stamp[-1]:.0f} s, must be over {after} s")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,7 @@ from scipy.signal import savgol_filter
 
 from lfdcore.geometry import arc_length, wrap_angle
 from lfdcore.simulated.trace import DriveTrace, Plan
-
-if TYPE_CHECKING:
-    from lfdcore.wheelchair.planner import Compliance
+from lfdcore.wheelchair.planner import COMPLIANT_FROM, LOOK_AHEAD, Compliance
 
 Array = NDArray[np.float64]
 
@@ -21,10 +18,6 @@ JERK_WINDOW = 0.5
 """Savitzky-Golay window [s] of the angular jerk (ERRATA 24: without smoothing odometry noise dominates)."""
 ENTROPY_PERIOD = 0.15
 """Sampling period [s] of the steering signal (Nakayama et al. 1999)."""
-COMPLIANT_FROM = 0.9
-"""Threshold of Sec. 3.4.3."""
-LOOK_AHEAD = 0.8
-"""Pure pursuit's look-ahead [m] (Sec. 3.4.2)."""
 NEAREST = 0.2
 """Path points nearer to the path's start [m] than this are no control points."""
 MOVING = 0.05

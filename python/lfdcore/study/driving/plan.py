@@ -13,18 +13,15 @@ from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import (
     ARMS,
-    METHODS,
     StudyModels,
     impaired_driver,
     make_assistant,
+    planners,
     require_arms,
     require_once,
 )
 from lfdcore.study.driving.metrics import driving_metrics, entropy_baseline, framework_metrics, steering_signal
 from lfdcore.study.jobs import run_jobs
-from lfdcore.wheelchair.assistants import (
-    DriveAssistant,
-)
 from lfdcore.wheelchair.planner import Compliance
 
 
@@ -90,8 +87,7 @@ def run_driving_plan(
 ) -> DrivingResult:
     """Runs a plan over processes; its result does not depend on their number."""
     traces = run_jobs(plan.jobs(), progress, processes)
-    planners = {arm: make_assistant(arm, plan.models, plan.run) for arm in plan.arms if arm in METHODS}
-    judges = {arm: one.planner for arm, one in planners.items() if isinstance(one, DriveAssistant)}
+    judges = planners(plan.arms, plan.models, plan.run)
     return DrivingResult(plan, traces, tuple(metric_rows(traces, judges)))
 
 

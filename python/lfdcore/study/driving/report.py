@@ -128,7 +128,7 @@ def findings(result: WholeResult) -> Findings:
     sections = [Section("Driving", f"{INTRODUCTION}\n\n{size}", driving_tables(driven), course_pictures(driven))]
     if tasks is not None:
         sections.append(Section("Tasks", "", task_tables(tasks), task_pictures(tasks)))
-    primitives = driven.plan.models.primitives
+    primitives = driven.plan.models.file("primitives")
     if result.demonstrations and primitives is not None:
         logs = [open_log(path) for path in result.demonstrations]
         sections.append(stage_section(DriveAssistantModel.load(primitives), logs))

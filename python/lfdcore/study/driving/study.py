@@ -63,18 +63,18 @@ def run_driving_study(study: DrivingStudy, folder: Path, tell: Progress = silent
     if study.starts:
         task_plan = TaskPlan(models=models, arms=study.assistants, starts=study.starts, seed=study.seed)
         tasks = run_task_plan(task_plan, partial(tell, "tasks: docking, narrow gap"), study.processes)
-    demonstrations = () if given.primitives else tuple(sorted(folder.glob("demonstration-*.mcap")))
+    demonstrations = () if given.file("primitives") else tuple(sorted(folder.glob("demonstration-*.mcap")))
     return WholeResult(driven, tasks, demonstrations)
 
 
 def _learn_what_is_missing(study: DrivingStudy, folder: Path, given: StudyModels, tell: Progress) -> StudyModels:
     """The models that the assistants need, learned from demonstrations where none was given."""
     needed = {METHODS[arm] for arm in study.assistants if arm in METHODS}
-    primitives, heatmaps = given.primitives, given.heatmaps
+    primitives, heatmaps = given.file("primitives"), given.file("heatmaps")
     if primitives is None and "primitives" in needed:
         primitives = learn_from_demonstrations(folder, study.seed, progress=partial(tell, "learn primitives"))
     if heatmaps is None and "heatmaps" in needed:
         heatmaps = learn_heatmaps_from_demonstrations(
             folder, study.seed, under(tell, "heatmaps"), processes=study.processes
         )
-    return StudyModels(primitives, heatmaps)
+    return StudyModels(primitives=primitives, heatmaps=heatmaps)

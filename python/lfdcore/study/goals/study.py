@@ -24,7 +24,7 @@ from lfdcore.study.goals.evaluation import (
 )
 from lfdcore.study.preset import Preset
 from lfdcore.study.study import Option, Progress, Seed, Study, silent
-from lfdcore.training.goal_models import (
+from lfdcore.training.goals import (
     GoalLearningConfig,
     KernelLikelihood,
     kernel_likelihoods,

@@ -27,20 +27,22 @@ from lfdcore.geometry import arc_length
 from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.planning import DppSolver, GridMdp, QLearningSolver
 from lfdcore.study.demonstrations import StageProgress
-from lfdcore.study.driving.metrics import LOOK_AHEAD, MOVING
+from lfdcore.study.driving.metrics import MOVING
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
-from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.paths import along, distance_to_polyline
-from lfdcore.wheelchair.planner import PlannedPath, Planner
+from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
-from lfdcore.wheelchair.surroundings import Surroundings
+from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 from lfdcore.wheelchair.window import RESOLUTION, WINDOW, squashed
+
+if TYPE_CHECKING:
+    pass
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -64,7 +66,7 @@ class ComparisonConfig:
 
     period: float = 0.5
     slowest: float = MOVING
-    map_duration: float = DriveAssistantConfig.map_duration
+    map_duration: float = MEMORY
     primitives: PrimitivesPlannerConfig = field(default_factory=lambda: PrimitivesPlannerConfig(drivable=_UNCHECKED))
     heatmaps: HeatmapPlannerConfig = field(
         default_factory=lambda: HeatmapPlannerConfig(driver_sd=0.0, drivable=_UNCHECKED)
@@ -113,7 +115,7 @@ def learn_naive(folder: Path, logs: Sequence[DriveLog], progress: StageProgress 
     from lfdcore.training.drive_heatmaps import learn_naive_heatmap
 
     path = folder / "naive.safetensors"
-    learn_naive_heatmap(logs, progress=progress)[0].save(path)
+    learn_naive_heatmap(logs, progress=progress).model.save(path)
     return path
 
 

@@ -11,13 +11,12 @@ from lfdcore.simulated.courses import home_20x19
 from lfdcore.simulated.drivers import population
 from lfdcore.simulated.run import Job
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels, impaired_driver, make_assistant
+from lfdcore.study.arms import StudyModels, impaired_driver, make_assistant, planners
 from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.learning_curve.models import model_files
 from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
 from lfdcore.study.study import Progress, silent
-from lfdcore.wheelchair.assistants import DriveAssistant
 
 _SEEDS, _FIRST_WAY = 1000, 600
 """Way and noise of driver k are of seed 1000 `seed` + 600 + k, which no demonstration and no other run has."""
@@ -55,5 +54,4 @@ def drives_of(study: LearningCurveStudy, method: str, models: StudyModels) -> li
 def _judged(
     study: LearningCurveStudy, method: str, models: StudyModels, traces: Sequence[DriveTrace]
 ) -> list[dict[str, Any]]:
-    assistant = make_assistant(method, models, study.run)
-    return metric_rows(traces, {method: assistant.planner} if isinstance(assistant, DriveAssistant) else {})
+    return metric_rows(traces, planners([method], models, study.run))

@@ -52,8 +52,8 @@ def learn_curve_models(study: LearningCurveStudy, folder: Path, tell: Progress =
 
 
 def _path(models: StudyModels, method: str) -> Path:
-    path = getattr(models, method)
-    assert isinstance(path, Path)
+    path = models.file(method)
+    assert path is not None
     return path
 
 
@@ -71,6 +71,6 @@ def _learn(study: LearningCurveStudy, logs: Sequence[DriveLog], files: StudyMode
 
 def _heatmap_config(epochs: int) -> HeatmapLearningConfig:
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig
-    from lfdcore.training.heatmap_net import HeatmapNetConfig
+    from lfdcore.training.parts.heatmap_net import HeatmapNetConfig
 
     return HeatmapLearningConfig(network=HeatmapNetConfig(epochs=epochs, patience=epochs))

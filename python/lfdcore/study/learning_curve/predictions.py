@@ -1,8 +1,8 @@
 """Predicted paths of study learning-curve: what each model predicts along drives of able drivers, beside baselines.
 
 The path predicted at a scan is judged against the one driven (study/prediction/path_error.py), the mean over a run
-being one value. The product of the heatmaps predicts by heatmap_path, primitives by PathPredictor; both as they are for
-driving (`driver_sd`: docs/heatmaps.md).
+being one value. Primitives predict by PathPredictor, heatmaps by ProductPredictor: what is planned over (`driver_sd`:
+docs/heatmaps.md).
 """
 
 from __future__ import annotations
@@ -12,11 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from lfdcore.datasets import DriveLog, open_log
-from lfdcore.geometry import Pose2, Twist2
-from lfdcore.grid import local_grid
 from lfdcore.study.demonstrations import drive_to_destinations
 from lfdcore.study.learning_curve.models import model_files, models_folder
 from lfdcore.study.learning_curve.study import METHODS, LearningCurveStudy
@@ -24,25 +20,19 @@ from lfdcore.study.prediction.path_error import (
     REACH,
     Array,
     PathSamples,
-    at_arc_lengths,
     constant_arc,
     path_errors,
     path_samples,
     straight,
 )
-from lfdcore.study.prediction.study import ARC_ON, STRAIGHT
+from lfdcore.study.prediction.study import ARC_ON, STRAIGHT, predicted_paths
 from lfdcore.study.study import Progress, silent
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.heatmaps.path import heatmap_path
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.observation import Observation
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.primitives.prediction import PathPredictor
+from lfdcore.wheelchair.heatmaps.prediction import ProductPredictor
+from lfdcore.wheelchair.method import Predictor
 
 PredictAll = Callable[[DriveLog, PathSamples], Array]
 """The paths (N, 25, 2) [m] predicted at samples of a log."""
-Predict = Callable[[DriveLog, int], Array | None]
-"""The path (M, 2) [m] predicted at a scan of a log."""
 BASELINES: dict[str, PredictAll] = {
     STRAIGHT: lambda log, samples: straight(samples.velocity),
     ARC_ON: lambda log, samples: constant_arc(samples.velocity),
@@ -57,8 +47,7 @@ def prediction_rows(study: LearningCurveStudy, folder: Path, tell: Progress = si
     tell("predict paths", 0, len(models))
     rows = [row for name, predict in BASELINES.items() for row in _errors(0, name, predict, judged)]
     for done, (n, method) in enumerate(models, 1):
-        model = model_files(study, folder, n).of(method)
-        rows += _errors(n, method, partial(_paths_of, _predictor(study, model)), judged)
+        rows += _errors(n, method, _with_model(_predictor(study, folder, n, method)), judged)
         tell("predict paths", done, len(models))
     return rows
 
@@ -96,33 +85,15 @@ def _errors(
     ]
 
 
-def _paths_of(predict: Predict, log: DriveLog, samples: PathSamples) -> Array:
-    """Straight on where nothing is predicted."""
-    paths = straight(samples.velocity)
-    for k, scan in enumerate(samples.scan):
-        path = predict(log, int(scan))
-        if path is not None:
-            paths[k] = at_arc_lengths(path)
-    return paths
+def _predictor(study: LearningCurveStudy, folder: Path, runs: int, method: str) -> Predictor:
+    """Primitives predict with their method's predictor, heatmaps with what is planned over."""
+    models = model_files(study, folder, runs)
+    if method == "primitives":
+        return models.of(method).predictor()
+    heatmaps = models.file(method)
+    assert heatmaps is not None
+    return ProductPredictor(HeatmapModel.load(heatmaps).planner(study.run.geometry))
 
 
-def _predictor(study: LearningCurveStudy, model: DriveAssistantModel | HeatmapModel) -> Predict:
-    if isinstance(model, HeatmapModel):
-        return partial(_path_by_heatmaps, HeatmapPlanner(model, HeatmapPlannerConfig(), study.run.geometry))
-    return partial(_path_by_primitives, PathPredictor(model))
-
-
-def _stick(log: DriveLog, scan: int) -> Array:
-    return np.asarray(log.joystick_at(log.scan_stamp[scan : scan + 1])[0])
-
-
-def _path_by_primitives(predictor: PathPredictor, log: DriveLog, scan: int) -> Array | None:
-    return predictor.predict(_stick(log, scan), log.scan(scan), log.T_base_laser)
-
-
-def _path_by_heatmaps(planner: HeatmapPlanner, log: DriveLog, scan: int) -> Array | None:
-    stamp, (forward, left) = float(log.scan_stamp[scan]), _stick(log, scan)
-    pose, twist = Pose2(*log.pose_at([stamp])[0]), Twist2(*log.twist_at([stamp])[0])
-    seen = Observation(stamp, log.scan(scan), stamp, pose, twist, (float(forward), float(left)))
-    heat = planner.heat(seen, local_grid(seen.scan, log.T_base_laser))
-    return None if heat is None else heatmap_path(heat.intent)
+def _with_model(predictor: Predictor) -> PredictAll:
+    return lambda log, samples: predicted_paths(predictor, log, samples)[0]

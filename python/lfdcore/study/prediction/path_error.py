@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.motion import mean_twist
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.wheelchair.paths import along
 
@@ -26,7 +27,7 @@ ARC = np.asarray(np.arange(1, 26) * 0.1, np.float64)
 REACHES = (1.0, 2.0, 2.5)
 """[m] reported"""
 WINDOW = 0.5
-"""[s] of odometry before a scan from which its velocity is taken"""
+"""[s] of odometry before a scan from which its velocity is taken: of this metric, whatever a stick is inferred from"""
 SLOWEST = 0.1
 """[m/s]"""
 LONGEST_DRIVE = 60.0
@@ -61,12 +62,11 @@ def path_samples(log: DriveLog) -> PathSamples:
         if not stamp[0] + WINDOW <= now < stamp[-1]:
             continue
         here, before = (_pose_at(stamp, pose, t) for t in (now, now - WINDOW))
-        middle = (here[2] + before[2]) / 2
-        speed = float((here - before)[:2] @ (np.cos(middle), np.sin(middle))) / WINDOW
-        path = _driven_path(stamp, pose, now, here) if speed >= SLOWEST else None
+        velocity = mean_twist(before, here, WINDOW)
+        path = _driven_path(stamp, pose, now, here) if velocity[0] >= SLOWEST else None
         if path is not None:
             scans.append(i)
-            velocities.append((speed, (here[2] - before[2]) / WINDOW))
+            velocities.append(velocity)
             paths.append(path)
     return PathSamples(
         np.array(scans, int), np.array(velocities).reshape(-1, 2), np.array(paths).reshape(-1, len(ARC), 2)

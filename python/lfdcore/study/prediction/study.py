@@ -1,4 +1,4 @@
-"""Prediction a posteriori along real logs (Sec. 3.5.2, Fig. 3.16): what the models foretell, judged on what was driven.
+"""Prediction a posteriori along real logs (Sec. 3.5.2, Fig. 3.16): what models predict, judged on what was driven.
 
 The metric and the baselines are those of path_error. Where a model predicts nothing, straight on stands in. Compliance
 along a log is that of Sec. 3.5.2: a path point p that was predicted at t is compliant if the model's compliance of
@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +22,9 @@ from lfdcore.geometry import Pose2, arc_length
 from lfdcore.study.prediction import path_error
 from lfdcore.study.prediction.path_error import ARC, REACH, PathSamples, at_arc_lengths, path_samples
 from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmaps.prediction import HeatmapPathPredictor, NaivePathPredictor
-from lfdcore.wheelchair.models import Model
+from lfdcore.wheelchair.method import Predictor
 from lfdcore.wheelchair.paths import distance_to_polyline
-from lfdcore.wheelchair.planner import Compliance
+from lfdcore.wheelchair.planner import COMPLIANT_FROM, Judge
 from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
 from lfdcore.wheelchair.stick import StickMeaning, with_stick
 
@@ -37,7 +34,6 @@ Progress = Callable[[int, int], None]
 STRAIGHT, ARC_ON = "straight", "constant arc"
 BLOCK = 2 * REACH
 """[m] of way whose samples are drawn together: paths of 2.5 m that start farther apart share nothing"""
-COMPLIANT_FROM = 0.9
 
 
 TRAINING, SHARE = "freiburg-079-corrected.log.gz", 0.7
@@ -134,21 +130,19 @@ class LogPrediction:
 
 def predict_log(
     log: DriveLog,
-    models: Mapping[str, Model],
-    config: PathPredictionConfig | None = None,
+    predictors: Mapping[str, Predictor],
     meaning: StickMeaning = StickMeaning.demonstrated,
     progress: Progress | None = None,
 ) -> LogPrediction:
-    """Runs every model, of whatever kind, at every sample of a log; progress(done, total) counts predictions. config:
-    of models of path primitives.
+    """Asks every predictor, of whatever method, at every sample of a log; progress(done, total) counts predictions.
 
     A log without samples (no scans, no odometry, no common clock, standing still) gives one with an `outcome`.
     ValueError for a laser that lies outside the local window.
     """
     usable = len(log.scan_stamp) and len(log.odometry_stamp) > 1
     samples = path_samples(log) if usable else _no_samples()
-    tell = _Counter(progress or (lambda done, of: None), len(samples) * len(models))
-    found = {name: _along_log(log, samples, model, config, meaning, tell) for name, model in models.items()}
+    tell = _Counter(progress or (lambda done, of: None), len(samples) * len(predictors))
+    found = {name: _along_log(log, samples, one, meaning, tell) for name, one in predictors.items()}
     return LogPrediction(log, samples, found)
 
 
@@ -174,9 +168,9 @@ def predict_real_logs(
     its rest and on `others`; `thesis`: the printed form of learning and prediction."""
     log = open_log(folder / TRAINING)
     model = learn_drive(first_share([log], SHARE), LearningConfig.thesis() if thesis else None)
-    config = PathPredictionConfig.thesis() if thesis else None
+    predictor = PathPredictor(model, PathPredictionConfig.thesis() if thesis else None)
     judged = [log.share(SHARE, 1.0), *(open_log(folder / name) for name in others)]
-    return [predict_log(one, {"thesis" if thesis else "default": model}, config, meaning) for one in judged]
+    return [predict_log(one, {"thesis" if thesis else "default": predictor}, meaning) for one in judged]
 
 
 def _no_samples() -> PathSamples:
@@ -184,44 +178,32 @@ def _no_samples() -> PathSamples:
 
 
 def _along_log(
-    log: DriveLog,
-    samples: PathSamples,
-    model: Model,
-    config: PathPredictionConfig | None,
-    meaning: StickMeaning,
-    tell: _Counter,
+    log: DriveLog, samples: PathSamples, predictor: Predictor, meaning: StickMeaning, tell: Callable[[], None]
 ) -> ModelPaths:
-    driven = with_stick(log, model, meaning)
-    sticks, predictor = driven.joystick_at(driven.scan_stamp), path_predictor(model, config)
-    paths, missing = path_error.straight(samples.velocity), np.zeros(len(samples), bool)
-    for k, i in enumerate(samples.scan):
-        path = predictor.predict(sticks[i], driven.scan(int(i)), driven.T_base_laser)
-        missing[k] = path is None
-        if path is not None:
-            paths[k] = at_arc_lengths(path)
-        tell()
+    driven = with_stick(log, predictor.model, meaning)
+    paths, missing = predicted_paths(predictor, driven, samples, tell)
     compliant = None
     if predictor.compliance is not None:
         compliant = compliant_points(driven, samples, paths, predictor.compliance) & ~missing[:, None]
-    told = driven.metadata.get("joystick", "as recorded")
-    return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), told)
+    stick = driven.metadata.get("joystick", "as recorded")
+    return ModelPaths(paths, missing, compliant, _deviations(paths, samples.driven), stick)
 
 
-def path_predictor(
-    model: Model, config: PathPredictionConfig | None = None
-) -> PathPredictor | HeatmapPathPredictor | NaivePathPredictor:
-    """What predicts paths with a model of any kind; config: of models of path primitives."""
-    if isinstance(model, HeatmapModel):
-        return HeatmapPathPredictor(model)
-    return NaivePathPredictor(model) if isinstance(model, NaiveHeatmapModel) else PathPredictor(model, config)
-
-
-class Judge(Compliance, Protocol):
-    """Judges compliance with control points up to the look-ahead that it is defined for."""
-
-    @property
-    def look_ahead(self) -> float:
-        """[m]"""
+def predicted_paths(
+    predictor: Predictor, log: DriveLog, samples: PathSamples, tell: Callable[[], None] | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """At the N samples of a log with a joystick: paths (N, 25, 2) [m] at ARC, and (N,) where nothing is predicted and
+    straight on stands in. `tell` is called after each."""
+    sticks = log.joystick_at(log.scan_stamp)
+    paths, missing = path_error.straight(samples.velocity), np.zeros(len(samples), bool)
+    for k, i in enumerate(samples.scan):
+        path = predictor.predict(sticks[i], log.scan(int(i)), log.T_base_laser)
+        missing[k] = path is None
+        if path is not None:
+            paths[k] = at_arc_lengths(path)
+        if tell is not None:
+            tell()
+    return paths, missing
 
 
 def compliant_points(log: DriveLog, samples: PathSamples, paths: Array, judge: Judge) -> NDArray[np.bool_]:

@@ -320,7 +320,7 @@ def _require_pose(name: str, pose: Pose2) -> None:
 
 
 Progress = Callable[[int, int], None]
-"""Told (scans done, of how many)."""
+"""Called with (scans done, of how many)"""
 
 
 def localise_log(

@@ -21,6 +21,7 @@ from lfdcore.errors import ModelError
 from lfdcore.estimation import ActionKernel, ActionModel, Belief, IntentionFilter, goal_likelihoods
 from lfdcore.wheelchair.goals.network import GoalNetwork
 from lfdcore.wheelchair.goals.samples import GoalSamples, Heading, goal_state
+from lfdcore.wheelchair.stick import DEAD_ZONE
 
 KIND, VERSION = "lfdcore goals", 2
 Floats = NDArray[np.float64]
@@ -40,7 +41,7 @@ class GoalFilterConfig:
     process_noise: float = 0.0
     """[m^2] that the belief's variance grows by at each update: samples at 10 Hz are not independent (ERRATA 6).
     `learn_goals` chooses it from the drives; 0, as printed, makes beliefs surer than they may be."""
-    at_rest: float = 0.05
+    at_rest: float = DEAD_ZONE
     """A stick displaced less says nothing of a destination: not learned from, and the belief stays."""
 
     def __post_init__(self) -> None:

@@ -1,7 +1,8 @@
-"""What a heatmap's values mean: how often a driver's path crosses cells of that value (within a given way).
+"""What a heatmap's values mean (not in the text): how often a driver's path crosses cells of that value.
 
-A heatmap is scaled by its maximum and says only where to go rather. On runs that were not trained on, the share of
-crossed cells is looked up value by value and made monotone (isotonic regression); the table goes with the model.
+A heatmap (Sec. 4.3) is scaled by its maximum and says only where to go rather. On runs that were not trained on, the
+share of crossed cells is looked up value by value and made monotone (isotonic regression); the table goes with the
+model.
 """
 
 from __future__ import annotations

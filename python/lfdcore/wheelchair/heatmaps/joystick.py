@@ -386,11 +386,11 @@ class JoystickAdapter:
     def relabel(self, wanted: ArrayLike) -> None:
         """Says anew what was wanted, where the driver has been: (B, 2), for each bin's mean raw joystick. Counts from
         the next conditioning on. ValueError unless finite and (B, 2); then nothing is changed."""
-        told, own = np.asarray(wanted, dtype=float), self._own
-        if told.shape != own.target.shape or not np.all(np.isfinite(told)):
-            raise ValueError(f"wanted must be finite and {own.target.shape}, is {told.shape}")
+        meant, own = np.asarray(wanted, dtype=float), self._own
+        if meant.shape != own.target.shape or not np.all(np.isfinite(meant)):
+            raise ValueError(f"wanted must be finite and {own.target.shape}, is {meant.shape}")
         base = own.raw if self.trained.config.prior == "identity" else 0.0
-        own.target[:] = np.where(own.count[:, None] > 0, told - base, 0.0)
+        own.target[:] = np.where(own.count[:, None] > 0, meant - base, 0.0)
 
     def _condition(self) -> None:
         self._new = 0

@@ -1,4 +1,5 @@
-"""What demonstrations teach by Ch. 4: where drivers go in such a place, and what they mean by the stick."""
+"""The models of Ch. 4 and their files: where drivers go in a place (Sec. 4.3) and what they mean by the stick (Sec.
+4.4.2); or one network for both (Sec. 4.6.2)."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import reprlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,16 @@ from numpy.typing import NDArray
 from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.heatmaps.prediction import HeatmapPathPredictor, NaivePathPredictor
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
+from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:
     import os
 
-HEATMAPS, NAIVE, VERSION = "lfdcore heatmaps", "lfdcore naive heatmap", 1
+VERSION = 1
 _NETWORK, _JOYSTICK = "network.onnx", "joystick."
 
 
@@ -29,9 +33,22 @@ class HeatmapModel:
     """sensor: the network of Sec. 4.3; joystick: the Gaussian processes of Sec. 4.4.2; metadata: JSON values about the
     demonstrations."""
 
+    method: ClassVar[str] = "heatmaps"
+    kind: ClassVar[str] = "lfdcore heatmaps"
+    drives: ClassVar[bool] = True
+
     sensor: SensorHeatmap
     joystick: JoystickModel
     metadata: dict[str, Any] = field(default_factory=dict)
+
+    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> HeatmapPlanner:
+        """See MethodModel; HeatmapPlanner takes any other config."""
+        config = HeatmapPlannerConfig.thesis() if thesis else HeatmapPlannerConfig()
+        return HeatmapPlanner(self, config, chair or ChairGeometry())
+
+    def predictor(self) -> HeatmapPathPredictor:
+        """See MethodModel; HeatmapPathPredictor takes any other config."""
+        return HeatmapPathPredictor(self)
 
     @property
     def nbytes(self) -> int:
@@ -41,17 +58,17 @@ class HeatmapModel:
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
         bins = self.joystick.bins
-        return {**_told(self.metadata), "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
+        return {**_shown(self.metadata), "joystick_bins": int((bins.count > 0).sum()), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
         header = _header(self.metadata) | {"joystick": self.joystick.header()}
-        write_tensor_file(path, HEATMAPS, VERSION, header, self._tensors())
+        write_tensor_file(path, self.kind, VERSION, header, self._tensors())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> HeatmapModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
-        header, tensors = _read(path, HEATMAPS)
+        header, tensors = _read(path, cls.kind)
         arrays = {name.removeprefix(_JOYSTICK): a for name, a in tensors.items() if name.startswith(_JOYSTICK)}
         with _named(path):
             joystick = JoystickModel.of_tensors(_part(header, "joystick"), arrays)
@@ -64,10 +81,23 @@ class HeatmapModel:
 
 @dataclass(frozen=True)
 class NaiveHeatmapModel:
-    """The network of Sec. 4.6.2 that takes scan and stick in one image."""
+    """The network of Sec. 4.6.2 that takes scan and stick in one image. It predicts only: of the stick's meaning, which
+    says whether a driver agrees with a path, it knows nothing."""
+
+    method: ClassVar[str] = "naive"
+    kind: ClassVar[str] = "lfdcore naive heatmap"
+    drives: ClassVar[bool] = False
 
     network: NaiveHeatmap
     metadata: dict[str, Any] = field(default_factory=dict)
+
+    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> NoReturn:
+        """ModelError: there is none."""
+        raise ModelError("a naive heatmap drives nothing: it does not know when a driver agrees with a path")
+
+    def predictor(self) -> NaivePathPredictor:
+        """See MethodModel; NaivePathPredictor takes any other config."""
+        return NaivePathPredictor(self)
 
     @property
     def nbytes(self) -> int:
@@ -76,24 +106,24 @@ class NaiveHeatmapModel:
 
     def summary(self) -> dict[str, Any]:
         """What was learned from what, for people: flat, in JSON values."""
-        return {**_told(self.metadata), "bytes": self.nbytes}
+        return {**_shown(self.metadata), "bytes": self.nbytes}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """One file, the same bytes for the same model."""
         write_tensor_file(
-            path, NAIVE, VERSION, _header(self.metadata), {_NETWORK: _bytes_as_array(self.network.onnx_bytes)}
+            path, self.kind, VERSION, _header(self.metadata), {_NETWORK: _bytes_as_array(self.network.onnx_bytes)}
         )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> NaiveHeatmapModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
-        header, tensors = _read(path, NAIVE)
+        header, tensors = _read(path, cls.kind)
         with _named(path):
             return cls(NaiveHeatmap(_network(tensors)), _part(header, "metadata"))
 
 
-def _told(metadata: dict[str, Any]) -> dict[str, Any]:
-    """Without the pair of speeds a log: too long where many taught."""
+def _shown(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Without the pair of speeds a log: too long where there are many."""
     return {name: value for name, value in metadata.items() if name != "full_deflection"}
 
 

@@ -1,6 +1,6 @@
-"""The path that a heatmap foretells: at every distance the median of where the heat is.
+"""The path that a heatmap predicts (Sec. 4.6.2): at every distance the median of where the heat is.
 
-Planning seeks the best place and takes one of two ways around an obstacle (Sec. 4.5); foretelling a path at a small
+Planning seeks the best place and takes one of two ways around an obstacle (Sec. 4.5); predicting a path at a small
 mean error asks for the middle of all that is likely. At each distance from base_link the heat of the cells there is
 taken for a density, and its geometric median (the point of the least expected distance) for the path's point.
 """

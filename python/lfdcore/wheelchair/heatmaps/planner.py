@@ -7,6 +7,7 @@ path.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +28,12 @@ from lfdcore.planning import (
     user_heatmap,
 )
 from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, DrivablePathFinder
-from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
-from lfdcore.wheelchair.planner import PlannedPath
+from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath
 from lfdcore.wheelchair.window import squashed, values_at
+
+if TYPE_CHECKING:
+    from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 
 Heatmap = NDArray[np.float32]
 
@@ -39,7 +42,7 @@ Heatmap = NDArray[np.float32]
 class HeatmapPlannerConfig:
     """How paths are planned. The printed values are those of `thesis()`."""
 
-    look_ahead: float = 0.8
+    look_ahead: float = LOOK_AHEAD
     """Of pure pursuit [m], and of the compliance with it (Sec. 3.4.2, 4.5)."""
     driver_sd: float = 0.6
     """How far a driver's stick points beside what is meant [rad], beyond what able demonstrators' did; printed: 0."""

@@ -1,10 +1,10 @@
-"""The path that a driver is going to take, from the heatmaps of Ch. 4: `predict` as PathPredictor's.
+"""The path that a driver is going to take, from the heatmaps of Ch. 4 (Sec. 4.6.2): `predict` as PathPredictor's.
 
 The sensor heatmap, sharpened, times a stick heatmap, then the median of the heat at every distance (heatmap_path).
 The stick heatmap is Eq. 4.3 around the orientation that the joystick's Gaussian process takes for meant, but its
 standard deviation is .25 rad and .1 rad more for every metre: the farther off, the less a stick says. The variance that
 the process gives knows no distance. The values were found by blocks inside freiburg-079's first 70 %
-(docs/real-logs.md). Planning (heatmap_planner) uses none of this.
+(docs/real-logs.md). Planning uses none of this; ProductPredictor predicts from the heat that is planned over.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import MotionLimits, Twist2
+from lfdcore.geometry import MotionLimits, Pose2, Twist2
 from lfdcore.grid import local_grid
 from lfdcore.planning import MovementTemplate, OrientationMoments, compliances, joystick_orientation
 from lfdcore.wheelchair.heatmaps.path import heatmap_path
-from lfdcore.wheelchair.heatmaps.planner import HeatmapPlannerConfig
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.observation import Observation
 from lfdcore.wheelchair.stick import full_deflection_of
 from lfdcore.wheelchair.window import cell_centres, free_mask
 
 if TYPE_CHECKING:
-    from lfdcore.geometry import Pose2
     from lfdcore.grid import LaserScan
     from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 
@@ -100,6 +100,21 @@ class HeatmapPathPredictor:
         if not np.any(joystick):
             return None
         return joystick_orientation(*self.model.joystick.predict(joystick))
+
+
+class ProductPredictor:
+    """Predicts paths from the product of both heatmaps that a planner plans over (Sec. 4.5)."""
+
+    def __init__(self, planner: HeatmapPlanner) -> None:
+        self.model, self.compliance = planner.model, planner
+        self._planner = planner
+
+    def predict(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats | None:
+        """(26, 2) [m] in base_link from the origin, equally spaced; None for a stick at rest and where no heat is left.
+        The planner's chair has its laser at T_base_laser."""
+        now = Observation(0.0, scan, 0.0, Pose2(), Twist2(0.0, 0.0), (float(joystick[0]), float(joystick[1])))
+        heat = self._planner.heat(now, local_grid(scan, T_base_laser))
+        return None if heat is None else heatmap_path(heat.intent)
 
 
 class NaivePathPredictor:

@@ -1,7 +1,7 @@
 """Heatmaps from trained networks (Sec. 4.3, 4.6.2) through onnxruntime; torch is not needed.
 
 `SensorHeatmap` takes the free space that a scan sees, `NaiveHeatmap` the joystick beside it. Both give a heatmap
-(100, 100) in [0, 1], divided by its maximum. Models come from lfdcore.training.heatmap_net.
+(100, 100) in [0, 1], divided by its maximum. Models come from lfdcore.training.parts.heatmap_net.
 """
 
 from __future__ import annotations

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.estimation import RbfNetworkBank, RbfNetworkConfig
-from lfdcore.wheelchair.stick import checked_joystick
+from lfdcore.wheelchair.planner import LOOK_AHEAD
+from lfdcore.wheelchair.stick import DEAD_ZONE, checked_joystick
 from lfdcore.wheelchair.window import CELLS, cell_centres, require_between
 
 if TYPE_CHECKING:
@@ -42,11 +43,11 @@ class ComplianceConfig:
     paths too."""
 
     sigma: float = 0.1
-    look_ahead: float = 0.8
+    look_ahead: float = LOOK_AHEAD
     shares: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0)
     threshold: float = 0.01
     max_centres: int = 40
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     mirror: bool = True
 
     def __post_init__(self) -> None:

@@ -23,7 +23,7 @@ from lfdcore.grid import read_beams
 from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths, measured_beams
 from lfdcore.wheelchair.primitives.compliance import MOST_CENTRES, SIGMA
-from lfdcore.wheelchair.stick import checked_joystick
+from lfdcore.wheelchair.stick import DEAD_ZONE, checked_joystick
 from lfdcore.wheelchair.window import CELLS, WINDOW, cell_keys, key_centres, require_between
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class IntentionConfig:
     floor: float = 0.01
     blur: float = 3.0
     slack: float = 0.05
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     mirror: bool = True
 
     def __post_init__(self) -> None:

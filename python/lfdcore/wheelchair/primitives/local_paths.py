@@ -28,6 +28,7 @@ from lfdcore.geometry import wrap_angle
 from lfdcore.grid import read_beams
 from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths, measured_beams
+from lfdcore.wheelchair.stick import DEAD_ZONE
 from lfdcore.wheelchair.window import WINDOW
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class LocalPathConfig:
     """A point is hidden once it is this much [m], one cell, farther than its beam."""
     shortest: float = 0.6
     """Shorter paths [m] are dropped."""
-    dead_zone: float = 0.05
+    dead_zone: float = DEAD_ZONE
     """A start with the stick nearer to its centre than this says nothing about what is wanted: dropped."""
 
     def __post_init__(self) -> None:

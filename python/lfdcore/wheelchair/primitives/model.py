@@ -1,26 +1,28 @@
-"""All that one set of demonstrations teaches a drive assistant: intention, path primitives, compliance."""
+"""The model of Ch. 3 and its file: intention (Sec. 3.3), path primitives (Sec. 3.4.1), compliance (Sec. 3.4.3)."""
 
 from __future__ import annotations
 
 import reprlib
 from dataclasses import asdict, dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from lfdcore.datasets.tensor_file import Tensors, read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.estimation import RbfNetworkBank
+from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.primitives.path_primitives import PathPrimitives
+from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
+from lfdcore.wheelchair.primitives.prediction import PathPredictor
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
 if TYPE_CHECKING:
     import os
 
-
-KIND, VERSION = "lfdcore drive assistant", 1
+VERSION = 1
 _BANK = ("keys", "offsets", "centres", "weights")
 _LAYOUT = {
     **{f"{part}.{name}": ("int32", 1) for part in ("intention", "compliance") for name in ("keys", "offsets")},
@@ -43,13 +45,27 @@ MOST_CLEARANCE = 100.0
 class DriveAssistantModel:
     """clearance [m]: how near to what the scan showed the demonstrated paths came, but for the nearest 3 % (0 where no
     beam hit anything); metadata: JSON values about the demonstrations: logs, lasers (beams, field_of_view [rad],
-    T_base_laser), n_paths, ended_by, dropped, data_hash (SHA-256 of the local paths)."""
+    T_base_laser), n_paths, ended_by, dropped, data_hash (SHA-256 of the local paths), full_deflection (what the
+    stick asked for when pushed fully, [m/s, rad/s] a log)."""
+
+    method: ClassVar[str] = "primitives"
+    kind: ClassVar[str] = "lfdcore drive assistant"
+    drives: ClassVar[bool] = True
 
     intention: IntentionModel
     primitives: PathPrimitives
     compliance: ComplianceModel
     clearance: float = 0.0
     metadata: dict[str, Any] = field(default_factory=dict)
+
+    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> PrimitivesPlanner:
+        """See MethodModel; PrimitivesPlanner takes any other config."""
+        config = PrimitivesPlannerConfig.thesis() if thesis else PrimitivesPlannerConfig()
+        return PrimitivesPlanner(self, config, chair or ChairGeometry())
+
+    def predictor(self) -> PathPredictor:
+        """See MethodModel; PathPredictor takes any other config."""
+        return PathPredictor(self)
 
     @property
     def nbytes(self) -> int:
@@ -69,7 +85,7 @@ class DriveAssistantModel:
         }
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """One file, the same bytes for the same model (see model_file)."""
+        """One file, the same bytes for the same model."""
         header = {
             "metadata": self.metadata,
             "clearance": self.clearance,
@@ -79,12 +95,12 @@ class DriveAssistantModel:
             "intention": asdict(self.intention.config),
             "compliance": asdict(self.compliance.config),
         }
-        write_tensor_file(path, KIND, VERSION, header, self._tensors())
+        write_tensor_file(path, self.kind, VERSION, header, self._tensors())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> DriveAssistantModel:
         """ModelError for a damaged file, or one of another kind, version, resolution or frame."""
-        header, tensors = read_tensor_file(path, KIND, VERSION)
+        header, tensors = read_tensor_file(path, cls.kind, VERSION)
         for name, needed in (("resolution", RESOLUTION), ("cells", CELLS), ("frame", "base_link")):
             if header.get(name) != needed:
                 raise ModelError(f"{path} has {name} {header.get(name)}, must be {needed}")

@@ -6,6 +6,7 @@ intention g* -> primitive scaled to it -> reward landscape -> dynamic policy pro
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,10 @@ from lfdcore.planning import DppConfig, DppSolver, GridMdp, RewardConfig, greedy
 from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, DrivablePathFinder
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath
-from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.window import cell_centres
+
+if TYPE_CHECKING:
+    from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 
 @dataclass(frozen=True, kw_only=True)

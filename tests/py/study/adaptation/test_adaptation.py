@@ -160,7 +160,7 @@ def drive(assistant: AdaptiveAssistant | DriveAssistant, ticks: int, bias: float
 
 
 def test_until_it_has_learned_it_drives_as_the_assistant_it_wraps(model: HeatmapModel) -> None:
-    assert drive(AdaptiveAssistant(model), 10) == drive(DriveAssistant(model), 10)
+    assert drive(AdaptiveAssistant(model), 10) == drive(DriveAssistant(model.planner()), 10)
 
 
 def test_a_driver_is_kept_over_drives_saved_resumed_and_forgotten(model: HeatmapModel, tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ def test_a_model_is_learned_for_the_arm_that_needs_one_alone(
 
 def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: HeatmapModel) -> None:
     assistant = TwoWayAssistant(model)
-    alone = DriveAssistant(model)
+    alone = DriveAssistant(model.planner())
     seen = observe((-0.5, 0.1), LidarConfig())
     said, expected = assistant.update(seen), alone.update(seen)
     assert said.mode == expected.mode == "reverse" and said.command == expected.command
@@ -83,7 +83,7 @@ def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: Heat
 
 def test_a_stick_ahead_is_answered_as_by_the_assistant_alone(model: HeatmapModel) -> None:
     seen = observe((0.6, 0.1))
-    said, expected = TwoWayAssistant(model).update(seen), DriveAssistant(model).update(seen)
+    said, expected = TwoWayAssistant(model).update(seen), DriveAssistant(model.planner()).update(seen)
     assert said.mode == expected.mode == "path" and said.command == expected.command
     np.testing.assert_array_equal(said.path, expected.path)
 

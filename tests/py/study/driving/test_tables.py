@@ -64,6 +64,8 @@ def test_a_row_of_another_length_than_the_header_is_refused() -> None:
 ARMS = ("none", "dwa", "primitives")
 
 HEATMAP_ARMS = ("none", "heatmaps", "primitives")
+PRIMITIVES = StudyModels(primitives=Path("m"))
+BOTH = StudyModels(primitives=Path("m"), heatmaps=Path("h"))
 
 
 def row(arm: str, driver: int, **changes: Any) -> dict[str, Any]:
@@ -74,7 +76,7 @@ def row(arm: str, driver: int, **changes: Any) -> dict[str, Any]:
 
 
 def result(rows: list[dict[str, Any]], drivers: int = 5) -> DrivingResult:
-    study = DrivingPlan(courses=(flat(),), models=StudyModels(Path("m")), arms=ARMS, drivers=drivers)
+    study = DrivingPlan(courses=(flat(),), models=PRIMITIVES, arms=ARMS, drivers=drivers)
     return DrivingResult(study, (), tuple(rows))
 
 
@@ -148,7 +150,7 @@ def test_a_figure_that_could_not_be_measured_is_missed() -> None:
 
 def test_without_the_unassisted_arm_there_are_no_figures_to_reach() -> None:
     rows = [r for r in study_rows() if r["assistant"] != "none"]
-    study = DrivingPlan(courses=(flat(),), models=StudyModels(Path("m")), arms=("dwa", "primitives"), drivers=5)
+    study = DrivingPlan(courses=(flat(),), models=PRIMITIVES, arms=("dwa", "primitives"), drivers=5)
     titles = [table.title for table in driving_tables(DrivingResult(study, (), tuple(rows)))]
     assert not any(title.startswith("Figures to reach") for title in titles)
 
@@ -170,7 +172,7 @@ def test_the_thesis_columns_say_which_of_its_experiments_they_are_of() -> None:
 
 def test_heatmaps_stand_beside_table_4_1_and_are_to_halve_the_jerk() -> None:
     rows = [r | {"assistant": "heatmaps"} if r["assistant"] == "dwa" else r for r in study_rows()]
-    study = DrivingPlan(courses=(flat(),), models=StudyModels(Path("m"), Path("h")), arms=HEATMAP_ARMS, drivers=5)
+    study = DrivingPlan(courses=(flat(),), models=BOTH, arms=HEATMAP_ARMS, drivers=5)
     of_both = driving_tables(DrivingResult(study, (), tuple(rows)))
     driving = named(of_both, "Driving")
     assert "Table 3.1 and 4.1" in driving.title
@@ -182,7 +184,7 @@ def test_heatmaps_stand_beside_table_4_1_and_are_to_halve_the_jerk() -> None:
 
 def test_the_campus_stands_beside_the_thesis_real_course() -> None:
     rows = [r | {"course": campus().name} for r in study_rows()]
-    study = DrivingPlan(courses=(campus(),), models=StudyModels(Path("m")), arms=ARMS, drivers=5)
+    study = DrivingPlan(courses=(campus(),), models=PRIMITIVES, arms=ARMS, drivers=5)
     driving = named(driving_tables(DrivingResult(study, (), tuple(rows))), "Driving")
     assert "Table 3.2" in driving.title
     assert driving.header[-1] == "thesis,\nreal"
@@ -236,7 +238,7 @@ def test_tables_leave_out_the_seed_of_a_random_route_unless_two_would_be_called_
     assert course_labels([one, flat()]) == {one.name: "wide_depot", "flat": "flat"}
     assert course_labels([one, two]) == {one.name: one.name, two.name: two.name}
     rows = [r | {"course": one.name} for r in study_rows()]
-    study = DrivingPlan(courses=(one,), models=StudyModels(Path("m")), arms=ARMS, drivers=5)
+    study = DrivingPlan(courses=(one,), models=PRIMITIVES, arms=ARMS, drivers=5)
     for table in driving_tables(DrivingResult(study, (), tuple(rows))):
         assert "wide_depot" in table.as_text()
         assert "5001" not in table.as_text()
@@ -256,9 +258,7 @@ def test_the_headline_counts_the_learned_arm_against_the_unassisted_one() -> Non
 def test_the_headline_names_every_learned_arm() -> None:
     rows = study_rows()
     more = [row | {"assistant": "heatmaps"} for row in rows if row["assistant"] == "primitives"]
-    study = DrivingPlan(
-        courses=(flat(),), models=StudyModels(Path("m"), Path("h")), arms=(*ARMS, "heatmaps"), drivers=5
-    )
+    study = DrivingPlan(courses=(flat(),), models=BOTH, arms=(*ARMS, "heatmaps"), drivers=5)
     said = headline(DrivingResult(study, (), (*rows, *more)))
     assert said.startswith(
         "primitives (learned): 0 collisions, 5 of 5 runs completed; heatmaps (learned): 0 collisions"
@@ -267,7 +267,7 @@ def test_the_headline_names_every_learned_arm() -> None:
 
 
 def test_the_headline_does_without_arms_that_were_not_driven() -> None:
-    study = DrivingPlan(courses=(flat(),), models=StudyModels(Path("m")), arms=("none",), drivers=5)
+    study = DrivingPlan(courses=(flat(),), models=PRIMITIVES, arms=("none",), drivers=5)
     rows = tuple(r for r in study_rows() if r["assistant"] == "none")
     assert headline(DrivingResult(study, (), rows)).startswith(
         "unassisted: 10 collisions, 5 of 5 runs completed. n = 5"
@@ -281,7 +281,7 @@ def task_result(successes: dict[str, int], n: int = 20) -> TaskResult:
         for k in range(n)
         for arm, good in successes.items()
     ]
-    study = TaskPlan(models=StudyModels(Path("m")), tasks=("narrow_gap",), arms=tuple(successes), starts=n)
+    study = TaskPlan(models=PRIMITIVES, tasks=("narrow_gap",), arms=tuple(successes), starts=n)
     return TaskResult(study, tuple(rows), (), ())
 
 
@@ -327,4 +327,4 @@ def test_mcnemars_test_refuses_samples_of_unequal_length() -> None:
 
 def test_an_unknown_task_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="'parking', must be one of doorway_and_docking, narrow_gap"):
-        TaskPlan(models=StudyModels(Path("m")), tasks=("parking",))
+        TaskPlan(models=PRIMITIVES, tasks=("parking",))

@@ -41,8 +41,8 @@ from lfdcore.study.goals.tables import (
 )
 from lfdcore.study.preset import Preset
 from lfdcore.study.study import default_of, silent, write_study
-from lfdcore.training.goal_models import GoalLearningConfig
-from lfdcore.training.goal_net import GoalNetConfig
+from lfdcore.training.goals import GoalLearningConfig
+from lfdcore.training.parts.goal_net import GoalNetConfig
 from lfdcore.wheelchair.goals.model import GoalModel
 from lfdcore.wheelchair.goals.samples import drive_samples
 from lfdcore.wheelchair.goals.track import track_beliefs

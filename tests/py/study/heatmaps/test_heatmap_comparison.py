@@ -142,7 +142,7 @@ def files(home_model: Path, heatmap_model: Path, tmp_path_factory: pytest.TempPa
     """Of the naive network only its file is real: it was never trained."""
     import torch
 
-    from lfdcore.training.heatmap_net import HeatmapNet, export_onnx
+    from lfdcore.training.parts.heatmap_net import HeatmapNet, export_onnx
 
     torch.manual_seed(1)
     naive = tmp_path_factory.mktemp("naive") / "naive.safetensors"

@@ -52,8 +52,9 @@ def test_models_are_of_the_first_n_runs(curve: LearningCurve, folder: Path) -> N
     for n in (1, 2):
         files = model_files(curve.study, folder, n)
         names = [open_log(models_folder(curve.study, folder) / f"maze-{k:02d}.mcap").name for k in range(n)]
-        assert files.primitives and DriveAssistantModel.load(files.primitives).metadata["logs"] == names
-        assert files.heatmaps and HeatmapModel.load(files.heatmaps).metadata["logs"] == names
+        primitives, heatmaps = files.file("primitives"), files.file("heatmaps")
+        assert primitives and DriveAssistantModel.load(primitives).metadata["logs"] == names
+        assert heatmaps and HeatmapModel.load(heatmaps).metadata["logs"] == names
 
 
 def test_predicted_paths_are_judged_at_the_same_scans_beside_baselines(curve: LearningCurve, folder: Path) -> None:
@@ -123,7 +124,7 @@ def test_few_runs_are_learned_for_as_many_steps_as_all_within_a_bound() -> None:
     assert [study.epochs_of(n) for n in study.runs] == [40, 40, 36, 18, 10]
     fewer = LearningCurveStudy(epochs=3)
     files, others = (model_files(one, Path(), 72) for one in (study, fewer))
-    assert files.heatmaps != others.heatmaps  # none is taken for the other
+    assert files.file("heatmaps") != others.file("heatmaps")  # none is taken for the other
 
 
 @pytest.mark.parametrize("runs", [(), (0,), (5, 5), (10, 5), (5, 73)])

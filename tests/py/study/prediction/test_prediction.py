@@ -44,7 +44,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def prediction(model):
-    return predict_log(corner_log(0.07, 0.4, stick=False), {"ours": model})
+    return predict_log(corner_log(0.07, 0.4, stick=False), {"ours": model.predictor()})
 
 
 def row(prediction, name, reach):
@@ -53,13 +53,13 @@ def row(prediction, name, reach):
 
 @pytest.mark.parametrize("beams", [181, 91, 720])
 def test_in_the_corner_the_model_beats_straight_on_with_any_number_of_beams(model, beams) -> None:
-    found = predict_log(corner_log(0.07, 0.4, beams, stick=False), {"ours": model})
+    found = predict_log(corner_log(0.07, 0.4, beams, stick=False), {"ours": model.predictor()})
     assert row(found, "ours", 2.5).n > 100
     assert row(found, "ours", 2.5).mean < 0.75 * row(found, STRAIGHT, 2.5).mean
 
 
 def test_several_logs_together_weigh_by_their_samples_and_the_ratio_is_to_the_better_baseline(model, prediction):
-    other = predict_log(corner_log(-0.1, 0.6, stick=False), {"ours": model})
+    other = predict_log(corner_log(-0.1, 0.6, stick=False), {"ours": model.predictor()})
     still = dataclasses.replace(other, samples=dataclasses.replace(other.samples, scan=other.samples.scan[:0]))
     alone = [{(r.predictor, r.reach): r for r in error_rows(p)} for p in (prediction, other)]
     together = pooled_rows([prediction, other, still])
@@ -120,7 +120,7 @@ def test_compliance_is_that_of_any_later_input_as_a_slow_loop_finds_it(model) ->
 def test_a_stick_at_rest_predicts_nothing_and_straight_on_stands_in(model) -> None:
     log = corner_log(0.0)
     still = dataclasses.replace(log, joystick=np.zeros_like(log.joystick))
-    found = predict_log(still, {"ours": model})
+    found = predict_log(still, {"ours": model.predictor()})
     assert found.models["ours"].missing.all()
     assert not found.models["ours"].compliant.any()
     assert row(found, "ours", 2.0).mean == row(found, STRAIGHT, 2.0).mean
@@ -166,7 +166,7 @@ def test_a_log_without_samples_has_an_outcome_and_no_figures(model, missing) -> 
         "clock": lambda: dataclasses.replace(log, scan_stamp=log.scan_stamp + 1e6),
         "way": lambda: dataclasses.replace(log, pose=log.pose * 0.01),
     }[missing]()
-    found = predict_log(log, {"ours": model})
+    found = predict_log(log, {"ours": model.predictor()})
     assert "no sample" in found.outcome
     assert error_rows(found) == []
     assert "no sample" in as_text(found)

@@ -144,7 +144,7 @@ def test_the_scatter_around_f_is_interpolated_between_the_bins_centres_and_const
 
 def test_learning_from_pairs_finds_a_bias_and_beats_the_raw_stick() -> None:
     pytest.importorskip("scipy")
-    from lfdcore.training.gp_hyperparameters import fit_joystick_model
+    from lfdcore.training.parts.gp_hyperparameters import fit_joystick_model
 
     model = fit_joystick_model(*drive(2, 5000, bias=0.4))
     raw, wanted = drive(3, 1500, bias=0.4)
@@ -204,7 +204,7 @@ def test_after_60_s_a_biased_driver_is_met_with_at_most_7_tenths_of_the_error(
 
 def test_a_driver_is_met_also_after_demonstrations_in_which_nothing_was_corrected() -> None:
     pytest.importorskip("scipy")
-    from lfdcore.training.gp_hyperparameters import fit_joystick_model
+    from lfdcore.training.parts.gp_hyperparameters import fit_joystick_model
 
     wanted = drive(0, 3000, bias=0.0)[1]
     blank = fit_joystick_model(wanted, wanted)

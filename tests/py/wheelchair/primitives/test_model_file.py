@@ -14,7 +14,7 @@ from test_intention import AHEAD, LEFT, scan_at
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
-from lfdcore.wheelchair.primitives.model import KIND, VERSION, DriveAssistantModel
+from lfdcore.wheelchair.primitives.model import VERSION, DriveAssistantModel
 from synthetic_drive import T_BASE_LASER, corner_drive, drive, log_of
 
 
@@ -199,9 +199,9 @@ TAMPERINGS = {
 @pytest.mark.parametrize("name", ARRAYS)
 @pytest.mark.parametrize("tampering", TAMPERINGS)
 def test_every_array_of_a_tampered_model_is_refused_by_name(saved, tmp_path, name, tampering):
-    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    header, tensors = read_tensor_file(saved, DriveAssistantModel.kind, VERSION)
     tensors[name] = TAMPERINGS[tampering](tensors[name])
-    write_tensor_file(saved, KIND, VERSION, header, tensors)
+    write_tensor_file(saved, DriveAssistantModel.kind, VERSION, header, tensors)
     with pytest.raises(ModelError, match=name):
         DriveAssistantModel.load(saved)
 
@@ -209,17 +209,17 @@ def test_every_array_of_a_tampered_model_is_refused_by_name(saved, tmp_path, nam
 @pytest.mark.parametrize("name", ARRAYS)
 @pytest.mark.parametrize("change", [lambda a: a[:-1], lambda a: a[:0]])
 def test_arrays_that_do_not_fit_together_are_refused(saved, name, change):
-    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    header, tensors = read_tensor_file(saved, DriveAssistantModel.kind, VERSION)
     tensors[name] = change(tensors[name])
-    write_tensor_file(saved, KIND, VERSION, header, tensors)
+    write_tensor_file(saved, DriveAssistantModel.kind, VERSION, header, tensors)
     with pytest.raises(ModelError, match="does not hold a usable drive assistant"):
         DriveAssistantModel.load(saved)
 
 
 def test_arrays_too_few_or_too_many_are_refused_by_name(saved):
-    header, tensors = read_tensor_file(saved, KIND, VERSION)
+    header, tensors = read_tensor_file(saved, DriveAssistantModel.kind, VERSION)
     for changed in ({k: v for k, v in tensors.items() if k != "intention.keys"}, tensors | {"more": np.zeros(3)}):
-        write_tensor_file(saved, KIND, VERSION, header, changed)
+        write_tensor_file(saved, DriveAssistantModel.kind, VERSION, header, changed)
         with pytest.raises(ModelError, match=r"it has the arrays .* must have .*intention\.keys"):
             DriveAssistantModel.load(saved)
 

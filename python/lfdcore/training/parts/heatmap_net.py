@@ -35,7 +35,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lfdcore.training.heatmap_targets import HeatmapPairs
+from lfdcore.training.parts.heatmap_targets import HeatmapPairs
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, METADATA_KEY, OUTPUT, VERSION, naive_images
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
 
@@ -147,7 +147,7 @@ def train_heatmap_net(
 ) -> TrainedHeatmapNet:
     """Trains until the validation loss has not fallen for `patience` epochs and keeps the best one.
 
-    progress(done, total) counts batches and ends at total; on_epoch is told every point of the learning curves;
+    progress(done, total) counts batches and ends at total; on_epoch gets every point of the learning curves;
     validation (N,): pairs to hold out, by default those of a share of the logs (of a single log: its last scans). The
     same pairs, config and torch build give the same bytes. ValueError for fewer than 2 pairs, a validation mask that
     leaves nothing on one side, a naive net without any joystick.

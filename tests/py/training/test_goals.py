@@ -8,7 +8,7 @@ import pytest
 
 from goal_worlds import GOALS, drive_to, drives, learned, samples_of
 from lfdcore.study.goals.evaluation import quarter_of_drive
-from lfdcore.training.goal_models import (
+from lfdcore.training.goals import (
     GoalLearningConfig,
     LongestScales,
     action_inputs,
@@ -18,8 +18,8 @@ from lfdcore.training.goal_models import (
     log_likelihood,
     moving,
 )
-from lfdcore.training.goal_net import GoalNetConfig
-from lfdcore.training.gp_hyperparameters import HyperParameterConfig, search_bounds
+from lfdcore.training.parts.goal_net import GoalNetConfig
+from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, search_bounds
 from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import track_beliefs

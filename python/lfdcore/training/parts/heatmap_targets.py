@@ -111,7 +111,7 @@ def heatmap_pairs(
     config: HeatmapTargetConfig | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> HeatmapPairs:
-    """Pairs of all logs, in order (about .5 ms a scan). progress(done, total) is told after every log.
+    """Pairs of all logs, in order (about .5 ms a scan). progress(done, total) is called after every log.
 
     ValueError without logs, or where not one scan gives a pair: it says what was found instead. DataError for a
     `T_place_odom` that is no pose, or an odometry of more than 100 km.

@@ -1,7 +1,7 @@
 """The action model over all samples (Sec. 2.3) in torch, for those who have a GPU: the numbers of the C++ ActionModel.
 
 Batched float64, no loop over samples. Like C++ it sums over pairs of goals where samples share them (docs/theory.md);
-else, or if told so, over pairs of samples, as the equations are printed, with Q_ab by outer sums of precomputed terms.
+else, or if asked to, over pairs of samples, as the equations are printed, with Q_ab by outer sums of precomputed terms.
 D is kept whole: 8 N^2 bytes an action. On a CPU both are slower than C++ (benchmarks/bench_action_model.py).
 """
 

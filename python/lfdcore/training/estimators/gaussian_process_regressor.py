@@ -11,7 +11,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from lfdcore.estimation import DifferentialEvolutionConfig, GaussianProcess
-from lfdcore.training.gp_hyperparameters import HyperParameterConfig, fit_hyper_parameters
+from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, fit_hyper_parameters
 
 Floats = NDArray[np.float64]
 

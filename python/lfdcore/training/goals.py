@@ -1,4 +1,4 @@
-"""Learns destinations from drives (Ch. 2): network, hyper-parameters, process noise, subset -> GoalModel."""
+"""lfdcore learn goals: network, hyper-parameters, process noise and subset from drives to destinations (Ch. 2)."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from lfdcore.estimation import (
     Kernel,
     select_subset,
 )
-from lfdcore.training.goal_net import GoalNetConfig, train_goal_network
-from lfdcore.training.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
-from lfdcore.training.process_noise import best_calibrated, leave_drives_out
+from lfdcore.training.parts.goal_net import GoalNetConfig, train_goal_network
+from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
+from lfdcore.training.parts.process_noise import best_calibrated, leave_drives_out
 from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples, Heading, goal_samples, goal_state
 
 Progress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
+"""Called with (stage, done, total)"""
 Floats = NDArray[np.float64]
 
 

@@ -1,4 +1,4 @@
-"""How fast beliefs over destinations have to be widened (ERRATA 6), told by leaving drives out."""
+"""How fast beliefs over destinations have to be widened (ERRATA 6), found by leaving drives out."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def best_calibrated(figures: Sequence[LeftOutFigures]) -> float:
 
 
 def _drive_numbers(samples: GoalSamples) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """(N,) the how manieth drive to its destination a sample is of; (N,) whether that destination has another."""
+    """(N,) which drive to its destination a sample is of, from 0 on; (N,) whether that destination has another."""
     number, spare = np.zeros(len(samples), np.int64), np.zeros(len(samples), bool)
     for goal in np.unique(samples.goal):
         mine = samples.goal == goal
