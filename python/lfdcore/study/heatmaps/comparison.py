@@ -41,9 +41,6 @@ from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesP
 from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
 from lfdcore.wheelchair.window import RESOLUTION, WINDOW, squashed
 
-if TYPE_CHECKING:
-    pass
-
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Heatmap = NDArray[np.float32]
