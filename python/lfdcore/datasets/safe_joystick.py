@@ -1,4 +1,4 @@
-"""The "safe" joystick of Sec. 4.2: the stick that would have asked for what the chair was then told to do."""
+"""The "safe" joystick of Sec. 4.2: the stick that would have asked for the chair's command."""
 
 from __future__ import annotations
 

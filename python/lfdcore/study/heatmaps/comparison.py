@@ -1,4 +1,4 @@
-"""The a-posteriori comparison of Sec. 4.6.2: what three methods foretell along unassisted drives (Alg. 4, Table 4.2).
+"""The a-posteriori comparison of Sec. 4.6.2: what three methods predict along unassisted drives (Alg. 4, Table 4.2).
 
 Primitives (Ch. 3), the naive network and heatmaps see the same scans, sticks and rolling map. Every .5 s of driving
 each plans as it would on the chair, up to its coarse path (no footprint check). The landscape after optimisation
