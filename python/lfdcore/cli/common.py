@@ -24,7 +24,7 @@ _LONGEST = 10
 """items of a list that are shown to people one by one"""
 
 
-PresetOption = Annotated[Preset, typer.Option(help="'thesis' restores every printed value.")]
+PresetOption = Annotated[Preset, typer.Option(help="'thesis' restores printed values (docs/thesis-preset.md).")]
 SeedOption = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="The same seed gives the same bytes.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of tables.")]
 LogArguments = Annotated[
@@ -40,18 +40,18 @@ def print_json(value: Any) -> None:
 def print_facts(facts: dict[str, Any]) -> None:
     """Prints a line a fact, aligned; a list longer than a line by its ends and length."""
     for name, value in facts.items():
-        typer.echo(f"{name:>24}  {_told(value)}")
+        typer.echo(f"{name:>24}  {_as_text(value)}")
 
 
-def _told(value: Any) -> str:
+def _as_text(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        items = [_told(item) for item in value]
+        items = [_as_text(item) for item in value]
         ends = [*items[:2], "...", items[-1]] if len(items) > _LONGEST else items
         return ", ".join(ends) + (f" ({len(items)})" if len(items) > _LONGEST else "")
     if isinstance(value, dict):
-        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+        return ", ".join(f"{name} {_as_text(item)}" for name, item in value.items())
     return str(value)
 
 
@@ -107,7 +107,7 @@ def require_each_once(files: list[Path]) -> None:
 
 
 class Stages:
-    """A bar for every stage of a work, made when it is first told of as (stage, done, total)."""
+    """A bar for every stage of a work, made at its first report as (stage, done, total)."""
 
     def __init__(self, bar: Progress) -> None:
         self._bar = bar
@@ -119,7 +119,7 @@ class Stages:
         self._bar.update(self._tasks[stage], completed=done, total=total)
 
     def step(self, title: str) -> Callable[[int, int], None]:
-        """One stage's bar, shown at once, told of as (done, total)."""
+        """One stage's bar, shown at once; it takes reports as (done, total)."""
         self._tasks[title] = self._bar.add_task(title, total=None)
         return partial(self, title)
 

@@ -48,12 +48,13 @@ ARM_NAMES = {
     "dwa": "DWA",
     "primitives": "primitives (learned)",
     "heatmaps": "heatmaps (learned)",
-    "heatmaps_thesis": "heatmaps, as printed",
+    "heatmaps_thesis": "heatmaps, driven as printed",
     "dwa_1s": "DWA, horizon 1 s",
-    "thesis": "primitives, as printed",
+    "thesis": "primitives, driven as printed",
     "supervisor": "supervisor only",
     "two_way": "heatmaps, both ways",
 }
+"""Driven as printed: the model is learned by default, not as printed."""
 _SMALLEST_SCALE, _SMALLEST_OF_MANY = 0.12, 0.05  # [in/m] of up to 3 panels in a row, and of more
 _NARROWEST = 2.5  # [in] of a panel, so that titles do not run into each other
 

@@ -28,12 +28,12 @@ ARMS = ("none", "dwa", "primitives", "heatmaps")
 
 
 FOOTNOTE_ARMS = ("dwa_1s", "thesis", "heatmaps_thesis", "supervisor")
-"""On request: DWA that looks no farther than its goal, the printed loops of Ch. 3 and Ch. 4, and the bare supervisor on
-the driver's own input."""
+"""On request: DWA that looks no farther than its goal, primitives and heatmaps learned by default and driven as printed
+(the loops of Ch. 3 and Ch. 4), and the bare supervisor on the driver's own input."""
 
 
 PRINTED = {"thesis": "primitives", "heatmaps_thesis": "heatmaps"}
-"""Arms that plan and drive as printed, by their method."""
+"""Arms that plan and drive as printed, by their method. Their models are learned by default."""
 METHODS = {method: method for method in DRIVING} | PRINTED
 """Learned arms by the method whose model they need: one that is named as any method drives with that method."""
 KNOWN_ARMS = tuple(dict.fromkeys((*ARMS, *FOOTNOTE_ARMS, *METHODS)))

@@ -10,6 +10,7 @@ import numpy as np
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.pictures.course import arm_name
 from lfdcore.simulated.courses import Course
+from lfdcore.study.arms import PRINTED
 from lfdcore.study.driving.metrics import JERK_WINDOW
 from lfdcore.study.driving.plan import DrivingPlan, DrivingResult
 from lfdcore.study.report.cells import mean_cell, p_cell, share_cell
@@ -115,6 +116,13 @@ def horizon_note(arms: Sequence[str]) -> str:
     )
 
 
+def printed_note(arms: Sequence[str]) -> str:
+    """What "driven as printed" leaves out: learning as printed."""
+    if not set(PRINTED) & set(arms):
+        return ""
+    return " Driven as printed: plans and drives as the thesis prints; its model is learned by default."
+
+
 def _stacked(name: str) -> str:
     """An arm's name over as many lines as it has parts."""
     return name.replace(" (", "\n(").replace(", ", ",\n").replace(" only", "\nonly")
@@ -190,6 +198,7 @@ def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
         "Failures (stuck, out of time) stay in, with the time at which they were given up: where an arm completes "
         "less, its time and distance are too small. Thesis: unassisted -> assisted, "
         f"{'; '.join(column.users for column in thesis)}, in another course of its own.{_JERK}{horizon_note(arms)}"
+        f"{printed_note(arms)}"
         f"{_NOT_MEASURED if any('-' in row for row in rows) else ''}",
     )
 

@@ -6,6 +6,7 @@ from lfdcore.pictures.course import arm_name
 from lfdcore.study.driving.tables import (
     arm_columns,
     horizon_note,
+    printed_note,
 )
 from lfdcore.study.driving.tasks import TASK_GOALS, TASK_NAMES, TaskResult
 from lfdcore.study.report.cells import mean_cell, p_cell, share_cell
@@ -57,7 +58,7 @@ def _task_table(result: TaskResult, task: str) -> Table:
         f"{TASK_GOALS[task]} Success: reached without any contact. {_stuck_runs(result, task)} Shares with Wilson's 95 "
         f"% interval, p (against {arm_name(arms[0])}) by McNemar's exact test; else mean+-sd, the mean's 95 % interval "
         "(Student's, cut at 0; for counts a seeded bootstrap's percentiles) and Wilcoxon's p."
-        f"{horizon_note(arms)}",
+        f"{horizon_note(arms)}{printed_note(arms)}",
     )
 
 
