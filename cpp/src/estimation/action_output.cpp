@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A basis sample of which the others leave less than this share of its variance adds nothing but rounding errors.
+// A basis sample adds only rounding errors where the others leave less than this share of its variance.
 constexpr double spanned_share = 1e-10;
 
 double square(double x) { return x * x; }

@@ -10,7 +10,7 @@
 namespace lfdcore {
 namespace {
 
-// A new column of which less than this share (of its squared length) is independent of the chosen ones is skipped.
+// A new column is skipped where less than this share (of its squared length) is independent of the chosen ones.
 constexpr double independent_share = 1e-10;
 
 Eigen::VectorXd activations(const RowMatrix& inputs, const Eigen::RowVectorXd& centre, double sigma) {

@@ -41,11 +41,11 @@ Demonstrations demonstrations(int count, int partner_dimensions) {
 TEST(InteractionPrimitive, one_by_one_is_all_at_once_for_counts_around_the_lanes) {
   for (const int count : {2, 7, 8, 9}) {
     for (const int dimensions : {1, 3, 9}) {
-      const Demonstrations taught = demonstrations(count, dimensions);
+      const Demonstrations shown = demonstrations(count, dimensions);
       InteractionPrimitiveConfig config{.observe = Observed::positions, .noise = 1e-4};
-      const auto primitive = InteractionPrimitive::fit(taught.partner, taught.robot, taught.environment, config);
+      const auto primitive = InteractionPrimitive::fit(shown.partner, shown.robot, shown.environment, config);
       const Eigen::VectorXd phase = phases(30, config.dmp).head(20), scene = Eigen::VectorXd::Constant(1, 1.04);
-      RowMatrix seen = taught.partner[1].topRows(20);
+      RowMatrix seen = shown.partner[1].topRows(20);
       seen(3, 0) = seen(19, dimensions - 1) = unseen;
       InteractionObserver observer = primitive.begin(scene);
       for (int k = 0; k < 20; ++k) observer.observe(phase[k], seen.row(k).transpose());
@@ -57,9 +57,9 @@ TEST(InteractionPrimitive, one_by_one_is_all_at_once_for_counts_around_the_lanes
 }
 
 TEST(InteractionPrimitive, forcing_of_fewer_than_three_samples_in_a_row_says_nothing) {
-  const Demonstrations taught = demonstrations(5, 2);
-  const auto primitive = InteractionPrimitive::fit(taught.partner, taught.robot, std::nullopt);
-  RowMatrix seen = taught.partner[0].topRows(8);
+  const Demonstrations shown = demonstrations(5, 2);
+  const auto primitive = InteractionPrimitive::fit(shown.partner, shown.robot, std::nullopt);
+  RowMatrix seen = shown.partner[0].topRows(8);
   for (int k = 0; k < 8; k += 3) seen.row(k).setConstant(unseen);
   const auto posterior = primitive.condition(seen, phases(41).head(8), std::nullopt);
   const auto prior = primitive.condition(RowMatrix(0, 2), Eigen::VectorXd(0), std::nullopt);
@@ -67,8 +67,8 @@ TEST(InteractionPrimitive, forcing_of_fewer_than_three_samples_in_a_row_says_not
 }
 
 TEST(InteractionPrimitive, trajectories_covariances_and_samples_have_the_stated_shapes) {
-  const Demonstrations taught = demonstrations(4, 3);
-  const auto primitive = InteractionPrimitive::fit(taught.partner, taught.robot, std::nullopt);
+  const Demonstrations shown = demonstrations(4, 3);
+  const auto primitive = InteractionPrimitive::fit(shown.partner, shown.robot, std::nullopt);
   const auto prior = primitive.condition(RowMatrix(0, 3), Eigen::VectorXd(0), std::nullopt);
   const InteractionTrajectory motion = prior.trajectory(13);
   EXPECT_EQ(motion.mean.rows(), 13);

@@ -71,7 +71,7 @@ TEST(SolidMap, finds_a_single_cell_inside_the_body) {
   EXPECT_TRUE(SolidMap(grid, true).touches({2.3, 2.52, 0.2}, {}));
 }
 
-TEST(SolidMap, takes_unknown_cells_and_the_outside_as_told) {
+TEST(SolidMap, takes_unknown_cells_and_the_outside_as_given) {
   OccupancyGrid grid({100, 100, 0.05, 0, 0}, free_cell);
   grid.data(50, 50) = unknown_cell;
   for (const bool is_solid : {true, false}) {

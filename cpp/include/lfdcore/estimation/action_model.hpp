@@ -49,7 +49,7 @@ class ActionModel {
               std::vector<ActionKernel> kernels, const std::vector<std::int64_t>* subset = nullptr,
               bool projected = true);
 
-  /// Exact moments at state (Dx,) for a goal of which `belief` is believed. No allocation; scratch holds
+  /// Exact moments at state (Dx,) for a goal that is distributed as `belief`. No allocation; scratch holds
   /// scratch_size() doubles. Throws std::invalid_argument for other sizes, for a state beyond +-1e20 and as
   /// validate(belief) does.
   ActionMoments moments(std::span<const double> state, const Belief& belief, std::span<double> scratch) const;

@@ -8,11 +8,11 @@
 
 namespace lfdcore {
 
-/// (size,) greedy indices in the order of selection: in each round, of `candidates` samples drawn from those left (59:
-/// one is in the best 5 % with 95 %), the one that lowers sum_a Q_a / var(y_a) most (actions standardised, ERRATA F2),
-/// ties to the smallest index. A sample of which the selected leave a Schur complement <= 1e-10 of its start value
-/// gains nothing (ERRATA 13). The draws are the starts of Fisher-Yates shuffles with MMIX's generator. Needs some 8 N
-/// (size + 96) bytes an action; forms neither K nor A. Throws std::invalid_argument as ActionModel does, for a size
+/// (size,) greedy indices in the order of selection. Each round draws `candidates` samples from those left (59:
+/// one is in the best 5 % with 95 %) and takes the one that lowers sum_a Q_a / var(y_a) most (actions standardised,
+/// ERRATA F2), ties to the smallest index. A sample gains nothing where the selected leave a Schur complement <= 1e-10
+/// of its start value (ERRATA 13). The draws are the starts of Fisher-Yates shuffles with MMIX's generator. Needs some
+/// 8 N (size + 96) bytes an action; forms neither K nor A. Throws std::invalid_argument as ActionModel does, for a size
 /// that is not in [1, N] and for candidates < 1.
 std::vector<std::int64_t> select_subset(const RowMatrix& states, const RowMatrix& goals, const RowMatrix& actions,
                                         const std::vector<ActionKernel>& kernels, int size, int candidates = 59,
