@@ -140,7 +140,7 @@ def test_a_seed_that_no_generator_takes_is_wrong_use(tmp_path: Path, monkeypatch
 
 
 @pytest.mark.parametrize(
-    ("arms", "told"),
+    ("arms", "reason"),
     [
         ("none,dwa,none", "assistant 'none' is given 2 times"),
         ("none,,dwa", "assistant is ''"),
@@ -148,11 +148,11 @@ def test_a_seed_that_no_generator_takes_is_wrong_use(tmp_path: Path, monkeypatch
     ],
 )
 def test_study_refuses_assistants_that_are_empty_or_given_twice(
-    arms: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arms: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert outcome(monkeypatch, "study", "driving", "-o", tmp_path / "out", "--assistants", arms) == 1
     said = capsys.readouterr().err
-    assert told in said
+    assert reason in said
     assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
@@ -222,7 +222,7 @@ def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
 
 
 @pytest.mark.parametrize(
-    ("path", "count", "told"),
+    ("path", "count", "reason"),
     [
         ([[0, 0], [1, 0]], 10**12, r"count is 1e\+12 points, must be between 2 and 1e\+06"),
         ([[0, 0], [1, 0]], 1, "count is 1 points"),
@@ -232,13 +232,13 @@ def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
         (np.zeros((0, 2)), 5, "without points"),
     ],
 )
-def test_no_path_is_resampled_to_what_it_cannot_be(path: list[list[float]], count: int, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_no_path_is_resampled_to_what_it_cannot_be(path: list[list[float]], count: int, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
         resample(np.array(path, float), count)
 
 
 @pytest.mark.parametrize(
-    ("cells", "shape", "probability", "inverse_temperature", "told"),
+    ("cells", "shape", "probability", "inverse_temperature", "reason"),
     [
         (
             [[0, 0], [1, 0]],
@@ -256,7 +256,7 @@ def test_no_path_is_resampled_to_what_it_cannot_be(path: list[list[float]], coun
     ],
 )
 def test_no_baseline_is_made_of_what_has_no_preference(
-    cells: list[list[int]], shape: tuple[int, int], probability: float, inverse_temperature: float, told: str
+    cells: list[list[int]], shape: tuple[int, int], probability: float, inverse_temperature: float, reason: str
 ) -> None:
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=reason):
         baseline_preference(np.array(cells), shape, probability, inverse_temperature)

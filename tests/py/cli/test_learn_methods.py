@@ -55,12 +55,12 @@ def learned(folder, monkeypatch, capsys) -> dict[str, Path]:
 
 def test_learning_shows_bars_and_learning_curves(learned, folder) -> None:
     for kind in ("naive", "heatmaps"):
-        told = (folder / f"{kind}.txt").read_text()
-        assert "targets" in told
-        assert "network" in told
-        assert "epoch" in told
-        assert told.count("kept") == 1
-        assert "train_losses" not in told  # they stand in the table
+        printed = (folder / f"{kind}.txt").read_text()
+        assert "targets" in printed
+        assert "network" in printed
+        assert "epoch" in printed
+        assert printed.count("kept") == 1
+        assert "train_losses" not in printed  # they stand in the table
     assert "epoch" not in (folder / "primitives.txt").read_text()
 
 

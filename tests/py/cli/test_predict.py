@@ -136,7 +136,7 @@ def test_a_log_or_model_given_twice_is_refused_under_whatever_name(model, logs, 
     assert "given twice" in " ".join(err.replace("│", " ").split())
 
 
-def test_scans_without_a_measurement_foretell_nothing_and_no_nan_is_printed(
+def test_scans_without_a_measurement_predict_nothing_and_no_nan_is_printed(
     model, folder, monkeypatch, capsys, recwarn
 ) -> None:
     path = corner(folder / "blind.mcap", 0.0)

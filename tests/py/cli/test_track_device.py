@@ -37,12 +37,12 @@ def outcome(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 def test_torch_follows_a_drive_as_cpp_does(
     files: tuple[str, str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = []
+    printed = []
     for device in ([], ["--device", "cpu"]):
         assert outcome(monkeypatch, *files, "--full", "--json", *device) == 0
-        told.append(json.loads(capsys.readouterr().out)["beliefs"])
-    assert len(told[0]) == len(told[1]) > 3
-    for one, other in zip(*told, strict=True):
+        printed.append(json.loads(capsys.readouterr().out)["beliefs"])
+    assert len(printed[0]) == len(printed[1]) > 3
+    for one, other in zip(*printed, strict=True):
         assert one["likelihood"] == pytest.approx(other["likelihood"], rel=1e-6)
         assert one["mean"] == pytest.approx(other["mean"], rel=1e-6)
 

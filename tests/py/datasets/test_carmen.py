@@ -105,7 +105,7 @@ def test_odometry_without_a_time_or_back_in_time_is_dropped_and_the_rest_differe
     assert log.T_base_laser == Pose2(0, 0, 0)
 
 
-def test_the_mounting_and_the_range_are_taken_as_told(tmp_path: Path) -> None:
+def test_the_mounting_and_the_range_are_taken_as_given(tmp_path: Path) -> None:
     log = read_carmen(write(tmp_path, flaser(1, [9.0] * 181)), T_base_laser=Pose2(0.3, 0, 0), range_max=8.0)
     assert log.T_base_laser == Pose2(0.3, 0, 0)
     assert log.range_max == 8.0
@@ -115,7 +115,7 @@ def test_the_mounting_and_the_range_are_taken_as_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         ("", "holds no FLASER line"),
         (odom(1, 2), "holds no FLASER line"),
@@ -134,8 +134,8 @@ def test_the_mounting_and_the_range_are_taken_as_told(tmp_path: Path) -> None:
         ("x" * (1 << 20), "line 1: longer than 1048576 bytes"),
     ],
 )
-def test_a_broken_log_is_refused_with_file_and_line(tmp_path: Path, text: str, told: str) -> None:
-    with pytest.raises(DataError, match=told) as caught:
+def test_a_broken_log_is_refused_with_file_and_line(tmp_path: Path, text: str, reason: str) -> None:
+    with pytest.raises(DataError, match=reason) as caught:
         read_carmen(write(tmp_path, text))
     assert "drive.log" in str(caught.value)
 

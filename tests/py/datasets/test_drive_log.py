@@ -28,7 +28,7 @@ def line_log(count: int = 20) -> DriveLog:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"scan_stamp": [1.0, 0.9, 1.2, 1.3]}, r"scan_stamp goes back from 1.0 s to 0.9 s at record 1"),
         ({"scan_stamp": [1.0, np.nan, 1.2, 1.3]}, "scan_stamp is nan at record 1"),
@@ -51,9 +51,9 @@ def line_log(count: int = 20) -> DriveLog:
     ],
 )
 def test_a_log_that_cannot_be_is_refused_with_the_value(
-    small_log: DriveLog, changes: dict[str, Any], told: str
+    small_log: DriveLog, changes: dict[str, Any], reason: str
 ) -> None:
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=reason):
         dataclasses.replace(small_log, **changes)
 
 

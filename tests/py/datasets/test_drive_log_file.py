@@ -196,12 +196,12 @@ def test_a_process_killed_with_sigkill_loses_at_most_the_record_it_was_writing(t
         child.kill()
         rest = child.stdout.read().split()
         assert child.wait() == -signal.SIGKILL
-    told = int(rest[-1]) if rest else 49
+    written = int(rest[-1]) if rest else 49
     log = read_drive_log(path)
     assert "incomplete" in log.metadata
     assert log.name == "killed"
     for stamps in (log.odometry_stamp, log.scan_stamp, log.joystick_stamp):
-        assert len(stamps) >= told + 1
+        assert len(stamps) >= written + 1
         np.testing.assert_array_equal(stamps, np.arange(len(stamps)) / 10)
 
 
@@ -215,14 +215,14 @@ def test_a_log_cut_at_any_byte_gives_a_clean_beginning_or_says_that_it_is_cut(tm
     log.save(tmp_path / "two.mcap")
     data = (tmp_path / "two.mcap").read_bytes()
     end = data_end(data)
-    told, read, last = 0, 0, 0
+    refused, read, last = 0, 0, 0
     for size in [*range(end + 30), *range(end + 30, len(data), 16)]:  # all data is there before the summary
         try:
             part = read_bytes(data[:size])
         except DataError as error:
             assert "cut.mcap" in str(error)
             assert not read, "once a beginning can be read, a longer one can"
-            told += 1
+            refused += 1
             continue
         read += 1
         count = sum(len(getattr(part, f"{name}_stamp")) for name in ("scan", "odometry", "joystick", "command"))
@@ -230,7 +230,7 @@ def test_a_log_cut_at_any_byte_gives_a_clean_beginning_or_says_that_it_is_cut(tm
         if count > last:
             assert_prefix(part, log)
         last = count
-    assert told
+    assert refused
     assert read
     assert last == 4 * 2
 
@@ -329,8 +329,8 @@ def test_a_writer_refuses_what_no_reader_could_accept_and_goes_on(writer: DriveL
         (lambda: writer.intention(2.0, (1, 2, 3), 0.1), r"goal has shape \(3,\)"),
         (lambda: writer.intention(2.0, (1, 2), np.inf), "intention is inf"),
     ]
-    for call, told in refused:
-        with pytest.raises(ValueError, match=told):
+    for call, reason in refused:
+        with pytest.raises(ValueError, match=reason):
             call()
     writer.close()
     log = read_drive_log(tmp_path / "log.mcap")

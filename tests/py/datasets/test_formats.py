@@ -40,14 +40,14 @@ def test_options_reach_the_reader(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"hello\n", b"\x1f\x8b\x08garbled", gzip.compress(b"1 2 3\n", mtime=0)])
-def test_what_is_of_no_known_format_is_told_the_known_ones(tmp_path: Path, content: bytes) -> None:
+def test_what_is_of_no_known_format_is_refused_with_the_known_ones(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "what"
     path.write_bytes(content)
     with pytest.raises(DataError, match=r"CARMEN logs|gzip stream is cut"):
         open_log(path)
 
 
-def test_a_folder_that_is_no_bag_and_a_file_that_is_none_are_told_apart(tmp_path: Path) -> None:
+def test_a_folder_that_is_no_bag_and_a_file_that_is_none_are_distinguished(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"a folder without metadata\.yaml"):
         open_log(tmp_path)
     with pytest.raises(FileNotFoundError):

@@ -152,7 +152,7 @@ def test_a_truncated_or_garbled_file_is_refused_by_name_or_harmless(tmp_path: Pa
             assert str(path) in str(said)
             assert "\n" not in str(said)
             refused += 1
-        else:  # what was hit is not read, or the CRC would have told
+        else:  # what was hit is not read, or the CRC would have shown it
             np.testing.assert_array_equal(read.positions, one.positions)
     assert refused > len(cut)
 

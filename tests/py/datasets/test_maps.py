@@ -91,7 +91,7 @@ def test_a_missing_key_is_named(tmp_path: Path, key: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"resolution": 0}, "resolution is 0.0 m, must be between 0.001 and 1 m"),
         ({"resolution": "fine"}, "resolution is 'fine', must be a finite number"),
@@ -112,8 +112,8 @@ def test_a_missing_key_is_named(tmp_path: Path, key: str) -> None:
         ({"pixels": b"P5\n99999 99999\n255\n" + bytes(50)}, "is cut or no image"),
     ],
 )
-def test_a_broken_map_is_refused_with_the_key_and_the_value(tmp_path: Path, changes: dict, told: str) -> None:
-    with pytest.raises(DataError, match=told) as caught:
+def test_a_broken_map_is_refused_with_the_key_and_the_value(tmp_path: Path, changes: dict, reason: str) -> None:
+    with pytest.raises(DataError, match=reason) as caught:
         read_map(write(tmp_path, **changes))
     assert "map.yaml" in str(caught.value)
 
@@ -168,15 +168,15 @@ def test_real_maps_are_read_and_survive_being_written(
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"resolution": 100.0}, "resolution is 100.0 m, must be between 0.001 and 1 m"),
         ({"resolution": 1e-300}, "resolution is 1e-300 m"),
         ({"origin": [1e300, 0, 0]}, r"origin is \(1e\+300, 0\) m, must lie within 1e\+06 m"),
     ],
 )
-def test_a_map_on_an_absurd_scale_is_refused(tmp_path: Path, changes: dict, told: str) -> None:
-    with pytest.raises(DataError, match=told):
+def test_a_map_on_an_absurd_scale_is_refused(tmp_path: Path, changes: dict, reason: str) -> None:
+    with pytest.raises(DataError, match=reason):
         read_map(write(tmp_path, **changes))
 
 

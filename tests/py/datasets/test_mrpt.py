@@ -139,7 +139,7 @@ def test_a_pose_as_a_quaternion_means_the_same(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "reason"),
     [
         (b"", "holds no planar scan"),
         (action(1, 0, 0), "holds no planar scan"),
@@ -158,8 +158,8 @@ def test_a_pose_as_a_quaternion_means_the_same(tmp_path: Path) -> None:
         (frame(scan(1, [1, math.nan])) + odometry(1, math.inf), r"a pose is Pose2\(inf, 0, 0\), must be finite"),
     ],
 )
-def test_a_broken_rawlog_is_refused_with_file_and_reason(tmp_path: Path, data: bytes, told: str) -> None:
-    with pytest.raises(DataError, match=told) as caught:
+def test_a_broken_rawlog_is_refused_with_file_and_reason(tmp_path: Path, data: bytes, reason: str) -> None:
+    with pytest.raises(DataError, match=reason) as caught:
         read_mrpt(write(tmp_path, data))
     assert "drive.rawlog" in str(caught.value)
 

@@ -183,7 +183,7 @@ def test_transforms_that_go_round_end_in_the_identity(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("topic", "kind", "message", "told"),
+    ("topic", "kind", "message", "reason"),
     [
         (
             "/base_scan",
@@ -201,10 +201,10 @@ def test_transforms_that_go_round_end_in_the_identity(tmp_path: Path) -> None:
     ],
 )
 def test_messages_that_no_drive_can_hold_are_refused(
-    tmp_path: Path, topic: str, kind: str, message: Any, told: str
+    tmp_path: Path, topic: str, kind: str, message: Any, reason: str
 ) -> None:
     bag = write_ros2(tmp_path / "drive", [*drive(), (topic, kind, EPOCH + 10**9, message)])
-    with pytest.raises(DataError, match=told):
+    with pytest.raises(DataError, match=reason):
         read_rosbag(bag)
 
 

@@ -115,13 +115,13 @@ def test_a_single_sample_asks_for_nothing() -> None:
     assert (done.ticks, done.rms_error, done.largest_error) == ((), 0.0, (0.0, "a"))
 
 
-def test_the_pace_is_that_of_the_clock_and_progress_is_told() -> None:
-    motion, told = swing(0.3), []
+def test_the_pace_is_that_of_the_clock_and_progress_is_reported() -> None:
+    motion, reported = swing(0.3), []
     begin = time.monotonic()
-    done = in_real_time(motion, at_start(motion), told.append)
+    done = in_real_time(motion, at_start(motion), reported.append)
     assert time.monotonic() - begin >= 0.29
-    assert len(told) == len(done.ticks) == 30
-    assert told[-1] == pytest.approx(0.3)
+    assert len(reported) == len(done.ticks) == 30
+    assert reported[-1] == pytest.approx(0.3)
 
 
 def test_sigint_ends_it_between_ticks_and_gives_the_signal_back() -> None:

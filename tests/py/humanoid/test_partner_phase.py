@@ -63,7 +63,7 @@ def test_a_pause_of_3_s_counts_as_less_than_half_a_second(primitive: Interaction
     rng = np.random.default_rng(1)
     waited = np.concatenate([samples, samples[-1] + rng.normal(0, 0.003, (75, 2))])
     one = follow(REFERENCE, DURATION, np.concatenate([stamp, stamp[-1] + wait]), waited)
-    assert one.active[-1] < stamp[-1] + 0.5  # told within the phase estimator's window
+    assert one.active[-1] < stamp[-1] + 0.5  # reported within the phase estimator's window
     assert one.active[-1] == pytest.approx((len(one.samples) - 1) * PERIOD)  # the time of the samples that are kept
     assert likeliest_share(primitive, one, DURATION, None) == pytest.approx(0.5, abs=0.5 / DURATION)
 

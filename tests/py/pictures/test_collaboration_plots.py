@@ -44,7 +44,7 @@ def test_the_robot_has_its_places_with_two_standard_deviations_and_no_quaternion
         assert heights.max() == pytest.approx(wanted.max(), abs=1e-9)
 
 
-def test_now_is_where_the_partner_is_told_to_be(inferred: Inferred) -> None:
+def test_now_is_where_the_partner_is_inferred_to_be(inferred: Inferred) -> None:
     _, inference, _ = inferred
     for axes in collaboration_figure(*inferred).axes:
         (now,) = [line for line in axes.lines if line.get_linestyle() == ":"]

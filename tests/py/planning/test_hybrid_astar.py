@@ -174,7 +174,7 @@ def test_a_gap_narrower_than_the_chair_gives_no_path() -> None:
     assert solve_hybrid_astar(obstacles, CHAIR, Pose2(-1.5, 0, 0), (1.5, 0.0), config).outcome == "no_path"
 
 
-def test_a_blocked_start_a_blocked_goal_and_a_spent_budget_are_told_apart() -> None:
+def test_a_blocked_start_a_blocked_goal_and_a_spent_budget_are_distinguished() -> None:
     obstacles = ObstaclePoints(np.vstack([door(), wall((1.0, 1.0), (2.0, 2.0))]))
     assert solve_hybrid_astar(obstacles, CHAIR, Pose2(-0.2, 0.6, 0), (1.2, 0.0)).outcome == "start_blocked"
     assert solve_hybrid_astar(obstacles, CHAIR, Pose2(-1.5, 0, 0), (1.5, 1.5)).outcome == "goal_blocked"

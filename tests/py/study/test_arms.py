@@ -10,7 +10,7 @@ from lfdcore.study.arms import METHODS, StudyModels, models_by_method, planners
 from lfdcore.wheelchair.models import DRIVING
 
 
-def test_models_are_told_apart_by_their_files(home_model: Path, heatmap_model: Path) -> None:
+def test_models_are_distinguished_by_their_files(home_model: Path, heatmap_model: Path) -> None:
     models = models_by_method([heatmap_model, home_model])
     assert models.file("primitives") == home_model and models.file("heatmaps") == heatmap_model
     assert StudyModels(heatmaps=None).file("heatmaps") is None

@@ -59,15 +59,15 @@ def test_errors_are_those_of_the_slow_loop() -> None:
 @pytest.mark.parametrize(("observe", "phase"), [("positions", "likeliest"), ("forcing", "warped")])
 def test_the_learned_noise_is_the_one_with_the_least_error(observe: str, phase: str) -> None:
     config = dataclasses.replace(CONFIG, observe=observe, phase=phase)
-    model, told = CollaborationModel.fit(PASSES, config), []
-    learned = learn_collaboration(PASSES, config, CHOICE, lambda done, total: told.append((done, total)))
+    model, reported = CollaborationModel.fit(PASSES, config), []
+    learned = learn_collaboration(PASSES, config, CHOICE, lambda done, total: reported.append((done, total)))
     candidates = [dataclasses.replace(config, noise=f * model.primitive.config.noise) for f in CHOICE.factors]
     errors = left_out_errors(PASSES, candidates, CHOICE)
     assert learned.primitive.config.noise == candidates[int(np.argmin(errors))].noise
     np.testing.assert_array_equal(
         learned.metadata["noise_choice"], [[c.noise, e] for c, e in zip(candidates, errors, strict=True)]
     )
-    assert told == [(k + 1, 9) for k in range(9)]
+    assert reported == [(k + 1, 9) for k in range(9)]
     again = learn_collaboration(PASSES, config, CHOICE)
     np.testing.assert_array_equal(again.infer().robot_motion(), learned.infer().robot_motion())
 

@@ -37,10 +37,10 @@ def cluster() -> Iterator[Client]:
 
 
 def test_two_processes_find_the_kernels_of_one_to_the_byte(alone: list[bytes]) -> None:
-    told: list[tuple[str, int, int]] = []
-    kernels = fit_action_kernels(SAMPLES, GOALS, QUICK, lambda *what: told.append(what), processes=2)
+    reported: list[tuple[str, int, int]] = []
+    kernels = fit_action_kernels(SAMPLES, GOALS, QUICK, lambda *what: reported.append(what), processes=2)
     assert as_bytes(kernels) == alone
-    assert told == [("kernels", k, 4) for k in range(5)]
+    assert reported == [("kernels", k, 4) for k in range(5)]
 
 
 def test_a_cluster_of_two_workers_finds_the_kernels_of_one_process_to_the_byte(

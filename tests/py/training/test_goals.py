@@ -64,15 +64,15 @@ def test_a_subset_larger_than_the_data_is_all_of_them() -> None:
     assert sorted(model.subset) == list(range(len(model.samples)))
 
 
-def test_what_was_learned_from_is_told() -> None:
+def test_what_was_learned_from_is_recorded() -> None:
     logs = drives(1)
-    told: list[tuple[str, int, int]] = []
-    model = learn_goals(logs, GOALS, QUICK, lambda *args: told.append(args))
+    reported: list[tuple[str, int, int]] = []
+    model = learn_goals(logs, GOALS, QUICK, lambda *args: reported.append(args))
     assert model.metadata["logs"] == [log.name for log in logs]
     assert model.metadata["data_sha256"] == data_hash(model.samples)
-    assert {stage for stage, _, _ in told} == {"network", "kernels", "subset"}
+    assert {stage for stage, _, _ in reported} == {"network", "kernels", "subset"}
     for stage in ("network", "kernels", "subset"):
-        _, done, total = [one for one in told if one[0] == stage][-1]
+        _, done, total = [one for one in reported if one[0] == stage][-1]
         assert done == total
 
 

@@ -62,7 +62,7 @@ def observe(
 def drive(
     assistant: Assistant, stick: Stick, ticks: int, walls: np.ndarray = L_WALLS, start: Pose2 = OFF_CENTRE
 ) -> list[tuple[Observation, Assistance]]:
-    """A chair without slip or noise that does as it is told."""
+    """A chair without slip or noise that obeys its commands."""
     pose, twist, done = start, Twist2(), []
     for tick in range(ticks):
         observation = observe(stick(tick), stamp=tick / 10, pose=pose, twist=twist, walls=walls)

@@ -183,10 +183,10 @@ def goal_outcome(config: GoalLearningConfig) -> Iterator[bytes]:
 def collaboration_outcome(config: CollaborationConfig) -> Iterator[bytes]:
     """The motion inferred from half of another partner's, of more demonstrations than parameters."""
     small = dataclasses.replace(config, basis_functions=3, steps=60)
-    taught = [demonstrate_passing(Rectangle(100 + 3 * k, 80 + 2 * k), [9, k]) for k in range(20)]
+    passes = [demonstrate_passing(Rectangle(100 + 3 * k, 80 + 2 * k), [9, k]) for k in range(20)]
     seen = demonstrate_passing(Rectangle(120, 100), [9, 99])
     yield (
-        CollaborationModel.fit(taught, small).infer(seen.partial(share=0.5), seen.environment).robot_motion().tobytes()
+        CollaborationModel.fit(passes, small).infer(seen.partial(share=0.5), seen.environment).robot_motion().tobytes()
     )
 
 

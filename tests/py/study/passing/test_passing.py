@@ -102,10 +102,10 @@ def test_distances_are_to_those_learned_from_or_to_the_other_people(small: Passi
     model, k = learned(data, arm), NAMES.index(arm.name)
     groups = [(r, several, None) for r, several in data.novel.items()]
     groups += [(r, several, data.training[3 * n : 3 * n + 3]) for n, (r, several) in enumerate(data.known.items())]
-    for rectangle, several, taught in groups:
+    for rectangle, several, learned_from in groups:
         at = (0, k, 0, 1, RECTANGLES.index(rectangle), 1)
         path = path_of(completed(model, several[1], 60, AXES["both axes"], arm.phase_known))
-        others = taught or (several[0], several[2])
+        others = learned_from or (several[0], several[2])
         assert small.distance[at] == pytest.approx(distance_to_samples(path, others))
         assert small.own[at] == pytest.approx(dtw_per_sample(path, several[1].partner))
         assert small.passed[at] == passing_verdict(path, rectangle).passed
@@ -124,18 +124,18 @@ def test_nothing_seen_is_the_same_for_all_people_and_whatever_would_have_been_se
     by_length = [path_of(completed(model, one, 0, AXES["both axes"])) for one in (first, second)]
     np.testing.assert_array_equal(*by_length)
     np.testing.assert_array_equal(small.distance[:, :, 0, 0], small.distance[:, :, 1, 0])
-    told, estimated = (NAMES.index(name) for name in ("EaIP, phase told", "EaIP"))
-    np.testing.assert_array_equal(small.distance[:, told, :, 0], small.distance[:, estimated, :, 0])
+    known, estimated = (NAMES.index(name) for name in ("EaIP, phase told", "EaIP"))
+    np.testing.assert_array_equal(small.distance[:, known, :, 0], small.distance[:, estimated, :, 0])
 
 
 def test_what_is_hidden_does_not_count() -> None:
     model = learned(passing_data(100, 3), ARMS[NAMES.index("EaIP")])
     person = demonstrate_passing(TRAINING[0], 9)
     elsewhere = replace(person, partner=person.partner + np.array([0.0, 40.0]))
-    for told in (False, True):
-        a, b = (path_of(completed(model, one, 80, ("mouse.x",), told)) for one in (person, elsewhere))
+    for known in (False, True):
+        a, b = (path_of(completed(model, one, 80, ("mouse.x",), known)) for one in (person, elsewhere))
         np.testing.assert_array_equal(a, b)
-        c, d = (path_of(completed(model, one, 80, AXES["both axes"], told)) for one in (person, elsewhere))
+        c, d = (path_of(completed(model, one, 80, AXES["both axes"], known)) for one in (person, elsewhere))
         assert np.abs(c - d).max() > 0.1
 
 
@@ -155,18 +155,18 @@ def test_with_the_environment_every_path_passes_and_without_not(whole: PassingRe
 
 
 def test_the_estimate_of_the_phase_costs_next_to_nothing(whole: PassingResult) -> None:
-    estimated, told = (
+    estimated, known = (
         whole.by_seed(whole.distance, f"EaIP{form}", "both axes", "novel")[0] for form in ("", ", phase told")
     )
-    np.testing.assert_allclose(estimated, told, rtol=0.1)
+    np.testing.assert_allclose(estimated, known, rtol=0.1)
 
 
 def test_the_result_does_not_depend_on_the_number_of_processes(small: PassingResult) -> None:
-    told: list[tuple[int, int]] = []
-    again = run_passing_study(replace(SMALL, processes=2), lambda stage, done, total: told.append((done, total)))
+    reported: list[tuple[int, int]] = []
+    again = run_passing_study(replace(SMALL, processes=2), lambda stage, done, total: reported.append((done, total)))
     for name in ("distance", "own", "passed", "floor", "factor"):
         np.testing.assert_array_equal(getattr(small, name), getattr(again, name))
-    assert told == [(1, 2), (2, 2)]
+    assert reported == [(1, 2), (2, 2)]
 
 
 def test_every_figure_is_there_for_machines(small: PassingResult) -> None:

@@ -1,4 +1,4 @@
-"""The path that a heatmap foretells."""
+"""The path that a heatmap predicts."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_scale_does_not_matter():
     np.testing.assert_allclose(heatmap_path(heat * 1e-3), heatmap_path(heat), atol=1e-9)
 
 
-def test_a_heatmap_without_heat_ahead_foretells_nothing():
+def test_a_heatmap_without_heat_ahead_predicts_nothing():
     assert heatmap_path(np.zeros((100, 100))) is None
     behind = np.zeros((100, 100))
     behind[:, :50] = 1

@@ -1,4 +1,4 @@
-"""Paths foretold from heatmaps: the rule against one computed cell by cell, what foretells nothing, and compliance."""
+"""Paths predicted from heatmaps: the rule against one computed cell by cell, what predicts nothing, and compliance."""
 
 import dataclasses
 
@@ -59,12 +59,12 @@ def test_the_stick_bends_the_path_to_its_side(predictor):
 
 
 @pytest.mark.parametrize("stick", [(0.0, 0.0), (-0.5, 0.0), (-0.5, 0.4)])
-def test_a_stick_at_rest_or_pulled_back_foretells_nothing(predictor, stick):
+def test_a_stick_at_rest_or_pulled_back_predicts_nothing(predictor, stick):
     assert predictor.predict(np.array(stick), scan_at(2.0, 0, 0), T_BASE_LASER) is None
 
 
 @pytest.mark.parametrize("ranges", [np.zeros(181), np.full(181, np.nan)])
-def test_a_scan_that_sees_nothing_foretells_nothing(predictor, ranges):
+def test_a_scan_that_sees_nothing_predicts_nothing(predictor, ranges):
     blind = LaserScan(ranges.astype(np.float32), -np.pi / 2, np.pi / 180, 0.0, 30.0)
     assert predictor.predict(AHEAD, blind, T_BASE_LASER) is None
 

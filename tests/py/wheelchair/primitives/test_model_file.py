@@ -69,13 +69,13 @@ def test_the_stated_memory_is_what_the_file_holds(corner_model, saved):
     assert corner_model.summary()["bytes"] == corner_model.nbytes
 
 
-def test_the_metadata_tell_what_was_learned_from(corner_model, corner_paths):
-    told = corner_model.metadata
-    assert told["logs"] == ["synthetic"] * 3
-    assert told["lasers"][0] == {"beams": 181, "field_of_view": pytest.approx(np.pi), "T_base_laser": [0.7, 0.0, 0.0]}
-    assert told["n_paths"] == len(corner_paths) == sum(told["ended_by"].values())
-    assert len(told["data_hash"]) == 64
-    assert learn_drive([corner_drive(0.05)]).metadata["data_hash"] != told["data_hash"]
+def test_the_metadata_say_what_was_learned_from(corner_model, corner_paths):
+    noted = corner_model.metadata
+    assert noted["logs"] == ["synthetic"] * 3
+    assert noted["lasers"][0] == {"beams": 181, "field_of_view": pytest.approx(np.pi), "T_base_laser": [0.7, 0.0, 0.0]}
+    assert noted["n_paths"] == len(corner_paths) == sum(noted["ended_by"].values())
+    assert len(noted["data_hash"]) == 64
+    assert learn_drive([corner_drive(0.05)]).metadata["data_hash"] != noted["data_hash"]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.0005, 0.3, 0.9, 0.9999])
@@ -118,7 +118,7 @@ def test_a_file_that_does_not_fit_is_refused_by_name(saved, change, message):
         DriveAssistantModel.load(rewritten(saved, change))
 
 
-def test_other_safetensors_and_missing_files_are_told_apart(tmp_path):
+def test_other_safetensors_and_missing_files_are_distinguished(tmp_path):
     other = tmp_path / "other.safetensors"
     other.write_bytes(save({"x": np.zeros(3)}))
     with pytest.raises(ModelError, match="does not hold"):
@@ -136,9 +136,9 @@ def test_empty_demonstrations_are_refused_with_what_was_found():
 
 
 def test_progress_rises_to_its_total(corner_logs):
-    told = []
-    learn_drive(corner_logs, progress=lambda done, total: told.append((done, total)))
-    assert told == [(done, 6) for done in range(1, 7)]
+    reported = []
+    learn_drive(corner_logs, progress=lambda done, total: reported.append((done, total)))
+    assert reported == [(done, 6) for done in range(1, 7)]
 
 
 def test_the_thesis_preset_reaches_every_part(corner_logs):

@@ -42,7 +42,7 @@ def test_a_path_is_equally_spaced_and_goes_straight_on_beyond_its_end():
 
 
 @pytest.mark.parametrize("rule", ["median", "goal"])
-def test_an_unseen_drive_through_the_corner_is_foretold_better_than_straight_on(corner_model, rule):
+def test_an_unseen_drive_through_the_corner_is_predicted_better_than_straight_on(corner_model, rule):
     log = corner_drive(0.07, speed=0.4)
     driven = extract_local_paths(log)
     predictor = PathPredictor(corner_model, PathPredictionConfig(rule=rule))

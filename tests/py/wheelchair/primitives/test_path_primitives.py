@@ -122,7 +122,7 @@ GOOD = {
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reason"),
     [
         ({"ends": np.array([[0.0, 0.0], [1.0, 1.0]])}, "primitive 0 ends 0 m from the origin"),
         ({"ends": np.array([[1.0, 0.0], [1e-310, 0.0]])}, "primitive 1 ends 1e-310 m from the origin"),
@@ -142,7 +142,7 @@ GOOD = {
         ({"counts": np.array([0, 3])}, r"counts \[0 3\]"),
     ],
 )
-def test_degenerate_primitives_are_refused(change, told):
+def test_degenerate_primitives_are_refused(change, reason):
     assert len(PathPrimitives(**GOOD)) == 2
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=reason):
         PathPrimitives(**{**GOOD, **change})
