@@ -1,6 +1,6 @@
 """Inverse kinematics of Baxter's arms: 10 000 random reachable poses each, and poses out of reach.
 
-Poses are those of joints drawn uniformly inside the limits; no solver is told them. Ours starts from fixed postures,
+Poses are those of joints drawn uniformly inside the limits; no solver knows them. Ours starts from fixed postures,
 KDL's LMA from mid-range (one attempt), roboticstoolbox's ik_LM at random (100 restarts at most). A pose counts as
 solved if forward kinematics of the answer, checked here for all alike, is within 1e-4 m and 1e-4 rad and inside the
 joint limits. Rivals run in the same process run, block by block in turn; those that are missing are left out: KDL's

@@ -178,7 +178,7 @@ def resident() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def briefly_taught(folder: Path) -> Path:
+def briefly_trained(folder: Path) -> Path:
     """The file of a heatmaps' model. A network takes as long whatever it says, but the drive must lead somewhere."""
     from lfdcore.study.demonstrations import demonstrate_in_mazes
     from lfdcore.training.drive_heatmaps import HeatmapLearningConfig, learn_heatmaps
@@ -221,7 +221,7 @@ def main() -> None:
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         measure("primitives", learn_from_demonstrations(Path(folder), seed=1), wanted.updates, wanted.runs)
-        heatmaps = wanted.heatmaps or briefly_taught(Path(folder))
+        heatmaps = wanted.heatmaps or briefly_trained(Path(folder))
         measure("heatmaps", heatmaps, wanted.updates, wanted.runs)
 
 

@@ -44,8 +44,8 @@ def compare(before: Path, now: Path) -> tuple[str, bool]:
     if None in losses:
         return "OTHER BYTES", False
     near = abs(losses[1] - losses[0]) <= TOLERANCE
-    told = f"other bytes; validation loss {losses[1]:.5f}, before {losses[0]:.5f}"
-    return f"{told}: {'within' if near else 'BEYOND'} {TOLERANCE:g}", near
+    change = f"other bytes; validation loss {losses[1]:.5f}, before {losses[0]:.5f}"
+    return f"{change}: {'within' if near else 'BEYOND'} {TOLERANCE:g}", near
 
 
 def make_models(committed: Path) -> Iterator[bool]:
@@ -54,8 +54,8 @@ def make_models(committed: Path) -> Iterator[bool]:
         with progress_bar() as bar:
             made = train(Path(name), Stages(bar))
         for file, path in made.items():
-            told, near = compare(committed / file, path)
-            print(f"{file}  {path.stat().st_size / 1e3:.0f} kB  {told}")
+            change, near = compare(committed / file, path)
+            print(f"{file}  {path.stat().st_size / 1e3:.0f} kB  {change}")
             (committed / file).write_bytes(path.read_bytes())
             yield near
 

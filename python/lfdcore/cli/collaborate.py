@@ -37,7 +37,7 @@ STOPPED = 130
 def collaborate(
     model_file: Annotated[Path, typer.Argument(metavar="MODEL", help="What `lfdcore learn collaboration` made.")],
     observe: Annotated[Path, typer.Option(help="What was seen of the partner: a recording (.npz).")],
-    until: Annotated[float | None, typer.Option(min=0, help="Heed only its first seconds. Default: all of it.")] = None,
+    until: Annotated[float | None, typer.Option(min=0, help="Use only its first seconds. Default: all of it.")] = None,
     environment: Annotated[
         Path | None, typer.Option(help="The scene: JSON with names and numbers. Default: as the recording has it.")
     ] = None,
@@ -59,7 +59,7 @@ def collaborate(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Infer the robot's whole motion, and write what is left of it as joint positions inside the robot's limits.
+    """Infer the robot's whole motion. The part still ahead is written as joint positions inside the robot's limits.
 
     Where the arm cannot follow, the inferred motion is printed, nothing is written or executed, and the exit code is 1.
     """
@@ -118,13 +118,13 @@ def _facts(
 ) -> dict[str, Any]:
     phase = inference.phase
     known = phase is not None and phase.determined
-    heeded = {name: scene[name] for name in model.environment_names}
+    used = {name: scene[name] for name in model.environment_names}
     return {
         "observed": f"{seen.duration:.2f} s of the partner, {len(seen)} samples",
         "phase": f"{100 * inference.share:.0f} % of the motion" if known else "not distinguishable from the start yet",
         "duration": f"{inference.duration:.2f} s at the partner's tempo (demonstrated {model.duration:.2f} s)",
-        "environment": ", ".join(f"{name} {_environment_words(model, name, value)}" for name, value in heeded.items())
-        or "not heeded",
+        "environment": ", ".join(f"{name} {_environment_words(model, name, value)}" for name, value in used.items())
+        or "not used",
     }
 
 

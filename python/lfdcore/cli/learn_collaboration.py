@@ -44,8 +44,8 @@ def learn_collaboration_command(
     recordings = [load_interaction(path) for path in demonstrations]
     config = CollaborationConfig.thesis() if preset is Preset.thesis else CollaborationConfig()
     with progress_bar() as bar:
-        told = Stages(bar).step("noise, leaving demonstrations out")
-        model = learn_collaboration(recordings, replace(config, environment=environment), progress=told)
+        report = Stages(bar).step("noise, leaving demonstrations out")
+        model = learn_collaboration(recordings, replace(config, environment=environment), progress=report)
     model.save(output)
     facts = {"model": str(output), **model.summary()}
     if as_json:

@@ -91,7 +91,7 @@ def predict(
     require_drawable("--picture", picture)
     require_drawable("--concatenated", concatenated)
     outline = _footprint(footprint)
-    model_files, log_files = _told_apart(files)
+    model_files, log_files = _models_and_logs(files)
     models = _load(model_files)
     predictors = _predictors(model_files, models, rule, preset)
     compared = None if concatenated is None else _of_each_kind(model_files, models)
@@ -213,7 +213,7 @@ def _footprint(text: str) -> Footprint:
     return Footprint(front, rear, half_width)
 
 
-def _told_apart(files: list[Path]) -> tuple[list[Path], list[Path]]:
+def _models_and_logs(files: list[Path]) -> tuple[list[Path], list[Path]]:
     for file in files:
         if not file.exists():
             raise FileNotFoundError(2, "no such model or drive log", str(file))
@@ -226,7 +226,7 @@ def _told_apart(files: list[Path]) -> tuple[list[Path], list[Path]]:
 
 
 def _is_model(file: Path) -> bool:
-    """By its suffix or, named otherwise, by what it holds: safetensors begins with its header's length and '{'."""
+    """By its suffix, else by its first bytes: safetensors begins with its header's length and '{'."""
     if file.suffix == ".safetensors" or file.is_dir():
         return not file.is_dir()
     with file.open("rb") as stream:

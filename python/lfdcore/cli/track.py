@@ -70,9 +70,9 @@ def track(
     with progress_bar() as bar:
         tell = Stages(bar)
         samples = _samples(log, grid, begin, tell)
-        told = tell.step("model")
+        model_read = tell.step("model")
         action_model = _action_model(model, full, device)
-        told(1, 1)
+        model_read(1, 1)
         beliefs = track_beliefs(model, samples, action_model, tell.step("belief"))
         _draw(model, samples, beliefs, grid, picture, animation)
     if as_json:

@@ -31,11 +31,11 @@ def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_ma
     """Reads the FLASER scans and the raw odometry of a CARMEN log, gzipped or plain.
 
     Angles: from -90 degrees in steps of 180 / n for n = 180 or 360 beams, to +90 degrees inclusive for 181 or 361.
-    Readings from `range_max` [m] on mean no return (inf): unless told 81 if any reading exceeds 51.2, else 50 (a SICK
-    LMS says 81.8 to 81.91 or 50 to 51.1). Stamps are the log's. Odometry: ODOM lines whose time is 0 repeat the
+    Readings from `range_max` [m] on mean no return (inf). By default it is 81 if any reading exceeds 51.2, else 50
+    (a SICK LMS says 81.8 to 81.91 or 50 to 51.1). Stamps are the log's. Odometry: ODOM lines whose time is 0 repeat the
     corrected pose and are dropped, as are lines that do not go forward in time; corrected poses are not read. The
     metadata's `dropped` counts both, and the lines of other lasers, which are not read. The log holds no velocities:
-    the twist is the mean over the last half second. T_base_laser is the identity unless told. DataError with the line
+    the twist is the mean over the last half second. T_base_laser is the identity unless given. DataError with the line
     for garbled, truncated or empty logs, other numbers of beams and a number of beams that changes.
     """
     if range_max is not None and not 0 < range_max < math.inf:

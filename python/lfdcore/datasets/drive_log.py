@@ -453,7 +453,7 @@ class DriveLogWriter:
         self._write(topic, time, ros.joystick_message(time, forward, left))
 
     def command(self, stamp: float, twist: Twist2) -> None:
-        """/cmd_vel: what the chair was told to do."""
+        """/cmd_vel: the twist that was sent to the chair."""
         time = self._time("/cmd_vel", stamp)
         _require_finite("command", np.array([*twist]))
         self._write("/cmd_vel", time, ros.command_message(time, twist))

@@ -1,7 +1,7 @@
 """The "followed" joystick of a log without commands: the stick that asks for what the vehicle did next.
 
-Sec. 4.2 records what the chair was told beside what the driver gave. A robot's log has neither; what it did over the
-next second stands in for what it was told (cf. the followed input of Sec. 6.2.1). Ours, not the thesis's.
+Sec. 4.2 records the chair's commands beside the driver's input. A robot's log has neither; what it did over the next
+second stands in for its commands (cf. the followed input of Sec. 6.2.1). Ours, not the thesis's.
 """
 
 from __future__ import annotations

@@ -71,10 +71,10 @@ def full_deflection(log: DriveLog) -> Twist2:
     known = newest >= 0
     for axis, limit in enumerate(own):
         stick, speed = log.joystick[known, axis], twist[newest[known], axis]
-        told = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
-        if not told.any():
-            told = np.abs(stick) >= _PUSHED
-        ratio = float(np.median(speed[told] / stick[told])) if told.any() else limit
+        pushed = (np.abs(stick) >= _PUSHED) & (np.abs(stick) < 1)
+        if not pushed.any():
+            pushed = np.abs(stick) >= _PUSHED
+        ratio = float(np.median(speed[pushed] / stick[pushed])) if pushed.any() else limit
         found.append(ratio if ratio > 0 else limit)
     return Twist2(*found)
 
@@ -100,7 +100,7 @@ def joystick_from_motion(log: DriveLog, window: float = WINDOW, limits: Twist2 |
     known[known] = log.scan_stamp[known] - log.odometry_stamp[newest[known]] <= window
     raw = twist[newest[known]] / np.array([*limits])
     clipped = int((np.abs(raw) > 1).any(axis=1).sum())
-    told = (
+    origin = (
         f"inferred from the motion of the last {window:g} s, full deflection at {limits.linear:.3f} m/s and "
         f"{limits.angular:.3f} rad/s, {clipped} of {len(raw)} cut to 1"
     )
@@ -108,7 +108,7 @@ def joystick_from_motion(log: DriveLog, window: float = WINDOW, limits: Twist2 |
         log,
         joystick_stamp=log.scan_stamp[known],
         joystick=np.clip(raw, -1, 1),
-        metadata=log.metadata | {"joystick": told},
+        metadata=log.metadata | {"joystick": origin},
     )
 
 

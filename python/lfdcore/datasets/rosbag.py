@@ -45,7 +45,7 @@ def read_rosbag(
     ValueError naming the candidates where it has more; DataError for a bag without scans or odometry, or one that is
     broken. `joystick_axes` are the indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
     T_base_laser is what the bag's static transforms say from the odometry's child frame to the scans' frame, unless
-    told; the identity where they say nothing (the metadata tell which). Stamps are the headers' where they have any,
+    given; the identity where they say nothing (the metadata say which). Stamps are the headers' where they have any,
     else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges stay
     as they are where the scanner measured something; else they become REP-117's words for what lfdcore.grid.read_beams
     says of them: NaN for finite ones below range_min, inf from range_max on.
@@ -148,13 +148,13 @@ def _mounting(bag: _Bag) -> tuple[Pose2, str]:
     return Pose2(), f"identity: no static transforms from {frame} to {base or 'an unnamed frame'}"
 
 
-def _drive_log(path: Path, bag: _Bag, told: Pose2 | None, axes: tuple[int, int]) -> DriveLog:
+def _drive_log(path: Path, bag: _Bag, given: Pose2 | None, axes: tuple[int, int]) -> DriveLog:
     for role in ("scan", "odometry"):
         if not bag.messages[role]:
             raise DataError(f"{path}: topic {bag.topics[role]} holds no message, so no {role}")
     epoch = min(messages[0][0] for messages in bag.messages.values() if messages)
     back = [f"{count} times in {role}" for role, count in bag.unordered.items() if count]
-    mounting, origin = _mounting(bag) if told is None else (told, "as told")
+    mounting, origin = _mounting(bag) if given is None else (given, "as given")
     odometry = _rows(bag, "odometry", epoch, 5, _odometry_values)
     joystick = _rows(bag, "joystick", epoch, 2, lambda message: _axes(message, axes))
     command = _rows(bag, "command", epoch, 2, lambda message: ros.twist_values(getattr(message, "twist", message)))

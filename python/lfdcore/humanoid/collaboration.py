@@ -99,8 +99,8 @@ class CollaborationInference:
     posterior: InteractionPosterior
     """p(theta | partner, e)"""
     phase: PartnerPhase | None
-    """how far the partner has come by time warping, and how fast (5.5); until it is determined, a partner's place alone
-    is heeded; None: not seen"""
+    """how far the partner has come by time warping, and how fast (5.5); until it is determined, only a
+    partner's place counts; None: not seen"""
     share: float
     """of the motion that is over, 0 to 1"""
     duration: float

@@ -95,7 +95,7 @@ class Execution:
     names: tuple[str, ...]
     ticks: tuple[Executed, ...] = field(repr=False)
     aborted: bool
-    """then the last target is where the robot was when it was told to stop"""
+    """then the last target is where the robot was when it was stopped"""
 
     @property
     def errors(self) -> Array:
@@ -119,8 +119,9 @@ class Execution:
 def stream(
     motion: JointMotion, robot: Robot, stop: Callable[[float], bool] | None = None, rate: float = RATE
 ) -> Iterator[Executed]:
-    """Commands a target every 1 / rate [s] until the motion's end, yielding each tick as it is done: who iterates sets
-    the pace. `stop`, asked before each tick with the time [s], aborts: the robot is told to stay where it is.
+    """Commands a target every 1 / rate [s] until the motion's end, yielding each tick as it is done. The caller's
+    iteration sets the pace. `stop` is asked before each tick, with the time [s]. If it says yes, that aborts: the robot
+    is commanded to stay where it is.
 
     ValueError for a rate that is not > 0 and <= FASTEST, and, before anything moves, for a robot that is not where the
     motion begins (within START_TOLERANCE).
@@ -157,8 +158,8 @@ def execute(
 
 
 def in_real_time(motion: JointMotion, robot: Robot, progress: Callable[[float], None], rate: float = RATE) -> Execution:
-    """As execute, each tick at its time; told [s] of progress. Ctrl-C (SIGINT) aborts: it
-    waits for no tick. Only in a program's main thread, which alone may listen to signals."""
+    """As execute, each tick at its time; `progress` is called with the time [s] of each. Ctrl-C (SIGINT) aborts at
+    once, without waiting for a tick. Only in a program's main thread, which alone may listen to signals."""
     interrupted = threading.Event()
     before = signal.signal(signal.SIGINT, lambda number, frame: interrupted.set())
     begin = monotonic()

@@ -119,7 +119,7 @@ def _record_truth(log: DriveLogWriter, tick: Tick, truth: Truth, *, in_map: bool
 
 
 def place_note(course: Course) -> dict[str, str]:
-    """Metadata by which runs of one world, on whatever route, share a frame: `place` names the world by what it is, and
+    """Metadata that give all runs of one world a shared frame, on any route: `place` is a hash of the world, and
     odometry began at (0, 0, 0) in the course's start (`T_place_odom`: x y [m], yaw [rad])."""
     what = hashlib.sha256(np.ascontiguousarray(course.grid.data).tobytes())
     what.update(repr((course.grid.resolution, *course.grid.origin)).encode())

@@ -64,8 +64,8 @@ def _of_trained_models(seed: int, folder: Path, models: StudyModels, tell: Progr
 def _of_shipped_models(seed: int, folder: Path, models: StudyModels, tell: Progress) -> list[Section]:
     """What the models were learned from is driven again, for the pictures and for the comparison."""
     logs = [open_log(path) for path, _ in demonstrations.demonstrate(folder, SEED)]
-    told = partial(tell, "demonstrations of heatmaps")
-    mazes = demonstrations.demonstrate_in_mazes(folder, SEED, progress=told).paths
+    report = partial(tell, "demonstrations of heatmaps")
+    mazes = demonstrations.demonstrate_in_mazes(folder, SEED, progress=report).paths
     stages = stage_section(DriveAssistantModel.load(PRIMITIVES), logs)
     origin = Section("Where the models come from", SHIPPED)
     return [origin, stages, *_a_posteriori(seed, folder, models, NAIVE, mazes, tell)]

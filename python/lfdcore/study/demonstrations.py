@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 StageProgress = Callable[[str, int, int], None]
-"""Told (stage, done, total)."""
+"""Called with (stage, done, total)."""
 HeatmapsFile = Annotated[Path | None, Option("Learned heatmaps; else learned from demonstrations, which needs torch.")]
 """The option `model` of studies that drive with heatmaps alone"""
 

@@ -29,7 +29,7 @@ def run_jobs(
 ) -> tuple[Result_co, ...]:
     """Runs jobs over processes -> their results (a Job's trace) in the jobs' order, whatever the number of processes.
 
-    progress(done, total) is told after each. An error or Ctrl-C ends all processes at once, within their jobs.
+    progress(done, total) is called after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
     count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
     if count == 1:

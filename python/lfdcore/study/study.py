@@ -1,7 +1,7 @@
 """What every study is: a config whose fields are its command's options, a run, and one way to show what was found.
 
-A study is told to people (headline and tables), to machines (one JSON document with the same keys for all) and as
-report.html with its version, its seed and the command that repeats it.
+A study reports to people (headline and tables) and to machines (one JSON document with the same keys for all). It also
+writes report.html with its version, its seed and the command that repeats it.
 """
 
 from __future__ import annotations

@@ -55,9 +55,9 @@ class LongestScales:
 class GoalLearningConfig:
     """filter: how the model will be used; network: of Sec. 2.2; search_samples: drawn by seed, on which kernels (C.3)
     are searched for `searches` times from other populations of `generations` each, the best being kept; longest: ends
-    of that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, of which it
-    takes the best at a step; process_noises [m^2]: the filter's is the one of these that makes beliefs as wide as their
-    errors along the drives that `folds` leave out, the largest of all if no destination has two drives."""
+    of that search; subset: how many samples Alg. 1 takes (all, where there are fewer); candidates: kappa, at each
+    step it takes the best of so many; process_noises [m^2]: the filter's is the one of these that makes beliefs as wide
+    as their errors along the drives that `folds` leave out, the largest of all if no destination has two drives."""
 
     filter: GoalFilterConfig = field(default_factory=GoalFilterConfig)
     network: GoalNetConfig = field(default_factory=GoalNetConfig)

@@ -1,6 +1,6 @@
 """The drive loop: observe -> assist -> command -> record, tick by tick, for any chair.
 
-The loop owns the clock and the stamps: a chair and an assistant are told the time, neither asks for it.
+The loop owns the clock and the stamps: it gives a chair and an assistant the time, and neither asks for it.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def drive(
     """Resets the assistant, then lets it drive: a tick every `period` [s], recorded in `log`, until `until` says of one
     that it was the last. It is asked when the tick's command was given and its records were written.
 
-    clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is told to stop.
+    clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is stopped.
     ValueError, before anything moves, for a period that is not finite and > 0.
     """
     if not 0 < period < math.inf:

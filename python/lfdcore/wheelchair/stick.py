@@ -56,11 +56,11 @@ def with_stick(log: DriveLog, model: Learned, meaning: StickMeaning = StickMeani
 def full_deflection_of(model: Learned) -> Twist2 | None:
     """How fast [m/s, rad/s] the demonstrations' vehicle moved with the stick pushed fully (of several demonstrations:
     the geometric mean); None for a model that does not say. DataError for one that says no positive speeds."""
-    told = model.metadata.get("full_deflection", [])
+    noted = model.metadata.get("full_deflection", [])
     try:
-        said = np.array(told, float).reshape(-1, 2)
+        said = np.array(noted, float).reshape(-1, 2)
     except (TypeError, ValueError, OverflowError) as error:
-        raise DataError(f"the model's full_deflection is {reprlib.repr(told)}, must be pairs of numbers") from error
+        raise DataError(f"the model's full_deflection is {reprlib.repr(noted)}, must be pairs of numbers") from error
     if not len(said):
         return None
     if not (np.isfinite(said).all() and (said > 0).all()):

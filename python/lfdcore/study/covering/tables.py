@@ -194,7 +194,7 @@ def partner_table(result: CoveringResult) -> Table:
         tuple(rows),
         "First row: with the own partner. Others: the difference to it, Student's 95 % interval, Wilcoxon's two-sided "
         "p. Another's partner: motions are permuted among the tests; learned from shuffled partners: among the "
-        "demonstrations. Before 10 % next to nothing of the object is in the generator's partner.",
+        "demonstrations. Before 10 % the generator's partner shows almost nothing of the object.",
     )
 
 

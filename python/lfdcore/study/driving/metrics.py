@@ -255,7 +255,7 @@ class FrameworkMetrics:
     path_rmse: float
     """[m] of the compliant path points that the chair passed against the way driven: how well paths are tracked"""
     path_rmse_ahead: float
-    """[m] of the compliant points beyond: how well what was agreed to foretells the way, replanned or not"""
+    """[m] of the compliant points beyond: how well the agreed path predicts the way, replanned or not"""
     replans_per_metre: float
     """[1/m]"""
     plans: int

@@ -89,7 +89,7 @@ def accuracy_table(result: GoalResult) -> Table:
         f"seed {result.study.seed})",
         ("", *QUARTERS),
         tuple(_accuracy_row(one.method, one) for one in result.accuracies),
-        "Below: 95 % interval by a bootstrap of whole drives, of which there are few: it is too narrow. Quarters: of "
+        "Below: 95 % interval by a bootstrap of whole drives. There are few drives, so it is too narrow. Quarters: of "
         "each drive's duration. Gaussian process: the goal nearest to the belief's mean. The thesis has 65 % with all "
         "data, 62 % with the subset.",
     )

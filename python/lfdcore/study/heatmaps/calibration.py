@@ -56,7 +56,7 @@ def crossed_cells(log: DriveLog, scan: int, reach: float = REACH) -> Mask | None
 @dataclass(frozen=True)
 class JudgedCells:
     """Cells that scans saw free: heat (N,) in [0, 1] of the product of sensor and user heatmap; crossed (N,): by the
-    way then driven; run (N,): of which log, by position."""
+    way then driven; run (N,): which log, by position."""
 
     heat: NDArray[np.float32]
     crossed: Mask

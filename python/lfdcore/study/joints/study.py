@@ -72,8 +72,8 @@ class JointSpaceStudy(Study):
 
 @dataclass(frozen=True)
 class ArmTrial:
-    """What one space's model made of one person's first seconds at one object. Errors are of the whole inferred motion,
-    all below them of what is left of it from now on, as joints that the arm would be sent; NaN where it cannot be."""
+    """What one space's model made of one person's first seconds at one object. Errors are of the whole inferred motion.
+    All below them are of its part still ahead, as joints that the arm would be sent; NaN where it cannot be sent."""
 
     seed: int
     space: str
@@ -105,7 +105,7 @@ class ArmTrial:
     speed: float
     """largest share of a joint's velocity limit"""
     seconds: tuple[float, float, float]
-    """to infer what is left of the motion; to make joints of it; in joint space, to look for self-collision after"""
+    """to infer the rest of the motion; to make joints of it; in joint space, to look for self-collision after"""
 
     def row(self) -> dict[str, object]:
         """For machines, without times."""

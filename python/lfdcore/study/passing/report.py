@@ -87,9 +87,9 @@ def claims_table(result: PassingResult) -> Table:
         ("ratio of mean DTW distances", "wanted", *FORMS.values()),
         rows,
         "Of several L, the one nearest to failing. In brackets: 95 % percentiles of a bootstrap over seeds. "
-        f"{_cases(result)} Positions: the partner's positions are observed, the phase being the likeliest: what is to "
-        "be reached. Phase told: the same with phases known. As printed: forcing functions are observed (5.11, 5.12) "
-        "and e weighs as printed after 5.16.",
+        f"{_cases(result)} Positions: the partner's positions are observed and the phase is the likeliest; this "
+        "is what is to be reached. Phase told: the same with known phases. As printed: forcing functions are "
+        "observed (5.11, 5.12) and e weighs as printed after 5.16.",
     )
 
 
@@ -147,7 +147,7 @@ def _floors(result: PassingResult) -> str:
 
 
 def _factors(result: PassingResult) -> str:
-    """Of arms that estimate the phase: those told it have the same model."""
+    """Of arms that estimate the phase: those that know it have the same model."""
     each = [(arm.name, result.factor[:, k]) for k, arm in enumerate(ARMS) if not arm.phase_known]
     return "; ".join(f"{name} {column.min():g} - {column.max():g}" for name, column in each)
 
@@ -161,11 +161,12 @@ def forms_table(result: PassingResult) -> Table:
         for form in FORMS
     ]
     return Table(
-        "The same, novel rectangles: the phase told, and forcing functions as printed",
+        "The same, novel rectangles: the phase known, and forcing functions as printed",
         _header(result),
         tuple(rows),
-        "An estimated phase stalls where a person stops short of the mean motion's end: then all that was seen is "
-        "taken for a part, and the completed motion goes on. It is what parts L = 150 from the same with phases told.",
+        "An estimated phase stalls where a person stops short of the mean motion's end. Then all that was seen is "
+        "taken for a part, and the completed motion goes on. This is the difference at L = 150 between estimated and "
+        "known phases.",
     )
 
 

@@ -53,7 +53,7 @@ class Arm:
     name: str
     config: CollaborationConfig
     phase_known: bool = False
-    """the observation's phases are told instead of estimated"""
+    """the observation's phases are known instead of estimated"""
 
 
 def _arms() -> tuple[Arm, ...]:
@@ -70,7 +70,7 @@ def _arms() -> tuple[Arm, ...]:
 
 
 ARMS = _arms()
-"""IP and EaIP by positions; the same with phases told; the same by forcing functions, e weighing as printed (thesis)"""
+"""IP and EaIP by positions; with known phases; by forcing functions, e weighing as printed (thesis)"""
 
 
 @dataclass(frozen=True, kw_only=True)

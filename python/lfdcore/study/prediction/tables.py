@@ -47,7 +47,7 @@ def pooled_rows(predictions: Sequence[LogPrediction], seed: int = 1) -> list[Err
 
 
 def _blocks(predictions: Sequence[LogPrediction]) -> NDArray[np.int_]:
-    """(N,) which 5 m of way, of which log, each sample belongs to"""
+    """(N,) which log's 5 m of way each sample belongs to"""
     found: list[NDArray[np.int_]] = []
     first = 0
     for p in predictions:

@@ -2,8 +2,8 @@
 
 A shape is a task. The filter learns from five of its seven demonstrations; two are held out. Each begins in the origin,
 so that only the motion tells shapes apart; a sample is a position and its difference from the one before. A fourth
-shape, of which nothing was learned, is to be refused. After the whole of one shape, the way back and a part of another,
-the filter is to name the other.
+shape, from which nothing was learned, is to be refused. After the whole of one shape, the way back and a part of
+another, the filter is to name the other.
 
 SequenceConfig's defaults were chosen on the triples of `tuned_on`. None of those is drawn here, but their 15 shapes are
 the same: only combinations and splits are new.
@@ -67,7 +67,7 @@ class DrawAnswers:
     tasks: NDArray[np.int_]
     """(motions,) the right answers"""
     foreign: NDArray[np.int_]
-    """(motions, shares) of a task of which nothing was learned: right is NONE"""
+    """(motions, shares) of a task that was not learned: right is NONE"""
     after: NDArray[np.int_]
     """(switches, shares) by share of a second task"""
     second: NDArray[np.int_]

@@ -89,7 +89,7 @@ class EpochLoss:
 
 @dataclass(frozen=True)
 class TrainedHeatmapNet:
-    """onnx: the model (SensorHeatmap and NaiveHeatmap run it); curve: the epochs, of which `best` was kept; validation
+    """onnx: the model (SensorHeatmap and NaiveHeatmap run it); curve: the epochs (`best` was kept); validation
     (N,): which pairs were not trained on; seconds: how long it took; net: the torch module, in evaluation mode."""
 
     onnx: bytes

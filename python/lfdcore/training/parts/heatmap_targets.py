@@ -79,7 +79,7 @@ class HeatmapPairs:
     """N training pairs, indexed [iy, ix] in base_link.
 
     free (N, 100, 100): seen free; target (N, 100, 100) float16 in [0, 1], maximum 1; joystick (N, 2): forward, left as
-    given at the scan (0 where none was recorded); log, scan (N,): of which log, and which of its scans; dropped: how
+    given at the scan (0 where none was recorded); log, scan (N,): which log, and which of its scans; dropped: how
     many scans gave no pair, by cause.
     """
 

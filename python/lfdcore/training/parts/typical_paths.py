@@ -1,6 +1,6 @@
 """Which demonstrations show what their stick means, and which only that it has been held so once (not in the text).
 
-A one-class network answers 1 wherever a demonstration lies, be it one of thousands. A driver's stick is noisy, so every
+A one-class network answers 1 wherever a demonstration lies, even one of thousands. A driver's stick is noisy, so every
 added run brings a few more odd pairs: stick hard over, way straight on. With enough runs every way complies with every
 stick. A pair (stick, way) is therefore learned from only if its stick is at least `ratio` times as likely for that way
 as for the way that it is likeliest for; both likelihoods are Parzen estimates over the stick's direction, one for each
@@ -32,7 +32,7 @@ _FLIP = np.array([1.0, -1.0])
 class TypicalPathConfig:
     """ratio: of likelihoods, below it a demonstration is not learned from (0: all are); sigma: of the Gaussians on the
     stick's direction, a unit vector, as in the compliance model; rare: so many demonstrations of a way with some other
-    stick are added, lest a way seen once or twice be the likeliest for whatever stick it was seen with."""
+    stick are added. Otherwise a way seen once or twice is the likeliest for the stick it was seen with."""
 
     ratio: float = 0.05
     sigma: float = 0.1

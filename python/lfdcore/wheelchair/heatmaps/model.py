@@ -141,7 +141,7 @@ def _read(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any], Tens
 
 @contextmanager
 def _named(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Says of which file a part cannot be used."""
+    """Names the file whose part cannot be used."""
     try:
         yield
     except ModelError as unusable:
