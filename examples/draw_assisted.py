@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.course import draw_grid
+from lfdcore.pictures.style import CONTACT, DRIVEN
 from lfdcore.simulated.courses import standard_course
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels
@@ -20,14 +21,13 @@ from lfdcore.study.driving.plan import DrivingPlan, run_driving_plan
 
 SEED = 1
 PANELS = {"none": "Without help", "primitives": "With help"}
-WAY, CONTACT = "#0072b2", "#e69f00"  # Okabe and Ito's blue and orange: colour-blind readers tell them apart
 
 
 def draw_ways(axes: Axes, traces: list[DriveTrace], title: str) -> None:
     """All ways in one panel, a cross where a contact begins."""
     for trace in traces:
         hits = trace.pose[trace.collision]
-        axes.plot(*trace.pose[:, :2].T, color=WAY, lw=1.2, alpha=0.6, label="way of a driver")
+        axes.plot(*trace.pose[:, :2].T, color=DRIVEN, lw=1.2, alpha=0.6, label="way of a driver")
         axes.plot(*hits[:, :2].T, "X", color=CONTACT, mec="black", mew=0.9, ms=12, zorder=4, label="contact")
     contacts = sum(int(trace.collision.sum()) for trace in traces)
     axes.set_title(f"{title}: {contacts} contacts", fontsize=17)

@@ -56,6 +56,36 @@ def imported(path: Path) -> set[str]:
     return {name.split(".")[1] for name in names if name.startswith("lfdcore.")}
 
 
+def test_every_stage_is_in_the_table_and_no_other() -> None:
+    there = {stage(path) for path in modules()} | {p.name for p in PACKAGE.iterdir() if (p / "__init__.py").exists()}
+    assert there - {"_core"} == set(MAY_IMPORT)
+
+
+def floors(of: str) -> dict[str, int]:
+    """Each folder and file of a stage -> the length of the longest way down inside the stage."""
+    below: dict[str, set[str]] = {}
+    for path in (PACKAGE / of).rglob("[!_]*.py"):
+        room = path.relative_to(PACKAGE / of).parts[0].removesuffix(".py")
+        names = re.findall(rf"lfdcore\.{of}(?:\.| import )(\w+)", path.read_text())
+        below.setdefault(room, set()).update(set(names) - {room})
+
+    def floor(room: str, above: tuple[str, ...] = ()) -> int:
+        assert room not in above, f"a circle of imports: {' -> '.join((*above, room))}"
+        return 1 + max((floor(name, (*above, room)) for name in below[room] if name in below), default=0)
+
+    return {room: floor(room) for room in below}
+
+
+@pytest.mark.parametrize("of", ["datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"])
+def test_a_stage_has_no_circles_and_at_most_five_floors(of: str) -> None:
+    assert max(floors(of).values()) <= 5, floors(of)
+
+
+@pytest.mark.parametrize("path", sorted((PACKAGE / "study").rglob("*.py")), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_no_file_of_a_study_is_over_400_lines(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= 400
+
+
 @pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_a_python_module_imports_only_from_its_own_stage_and_below(path: Path) -> None:
     own = stage(path)
@@ -96,9 +126,10 @@ def test_importing_lfdcore_needs_neither_scipy_nor_matplotlib_nor_torch() -> Non
     assert result.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("stage", ["wheelchair", "humanoid", "study"])
+@pytest.mark.parametrize("stage", ["wheelchair", "humanoid", "simulated", "pictures", "study"])
 def test_only_training_needs_torch(stage: str) -> None:
-    names = [f"lfdcore.{stage}.{p.stem}" for p in sorted((PACKAGE / stage).glob("[!_]*.py"))]
+    files = sorted((PACKAGE / stage).rglob("[!_]*.py"))
+    names = [".".join(("lfdcore", *p.relative_to(PACKAGE).with_suffix("").parts)) for p in files]
     code = f"import sys, {', '.join(names)}; print(sorted({{'torch', 'onnx'}} & set(sys.modules)))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"

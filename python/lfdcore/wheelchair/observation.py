@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 PERIOD = 0.1
 """[s] between ticks: the thesis logs at 10 Hz (Sec. 3.5)"""
+MOVING = 0.05
+"""[m/s] from which the chair counts as moving"""
 STALE_AFTER = 0.5
 """A scan older than this [s] says nothing of what is around now: every assistant that needs one stops."""
 

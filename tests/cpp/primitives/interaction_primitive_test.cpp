@@ -58,7 +58,8 @@ TEST(InteractionPrimitive, one_by_one_is_all_at_once_for_counts_around_the_lanes
 
 TEST(InteractionPrimitive, forcing_of_fewer_than_three_samples_in_a_row_says_nothing) {
   const Demonstrations shown = demonstrations(5, 2);
-  const auto primitive = InteractionPrimitive::fit(shown.partner, shown.robot, std::nullopt);
+  const InteractionPrimitiveConfig config{.observe = Observed::forcing};
+  const auto primitive = InteractionPrimitive::fit(shown.partner, shown.robot, std::nullopt, config);
   RowMatrix seen = shown.partner[0].topRows(8);
   for (int k = 0; k < 8; k += 3) seen.row(k).setConstant(unseen);
   const auto posterior = primitive.condition(seen, phases(41).head(8), std::nullopt);

@@ -10,6 +10,7 @@ from scipy.signal import savgol_filter
 
 from lfdcore.geometry import arc_length, wrap_angle
 from lfdcore.simulated.trace import DriveTrace, Plan
+from lfdcore.wheelchair.observation import MOVING
 from lfdcore.wheelchair.planner import COMPLIANT_FROM, LOOK_AHEAD, Compliance
 
 Array = NDArray[np.float64]
@@ -20,8 +21,6 @@ ENTROPY_PERIOD = 0.15
 """Sampling period [s] of the steering signal (Nakayama et al. 1999)."""
 NEAREST = 0.2
 """Path points nearer to the path's start [m] than this are no control points."""
-MOVING = 0.05
-"""Speed [m/s] from which the chair counts as moving."""
 
 
 def angular_jerk(omega: Array, period: float, window: float = JERK_WINDOW) -> float:

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.geometry import Pose2
 from lfdcore.simulated.courses import Course, Task, doorway_and_docking, narrow_gap
 from lfdcore.simulated.courses.tasks import DOCKING_DISTANCE
-from lfdcore.simulated.drivers import DriverInput, ImpairedConfig, ImpairedDriver, population
+from lfdcore.simulated.drivers import ImpairedConfig, population
 from lfdcore.simulated.run import Job, RunConfig
+from lfdcore.simulated.task_driver import DOCKING_SPEED, TaskDriver
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import ARMS, StudyModels, make_assistant, require_arms, require_once
 from lfdcore.study.driving.metrics import reversals, stuck_time
@@ -19,8 +20,6 @@ from lfdcore.study.jobs import run_jobs
 
 TASKS: dict[str, Callable[[int], Task]] = {"doorway_and_docking": doorway_and_docking, "narrow_gap": narrow_gap}
 TASK_NAMES = {"doorway_and_docking": "doorway, then docking", "narrow_gap": "narrow gap (.90 m)"}
-DOCKING_SPEED = 0.2
-"""A chair beside its table counts as docked when it is no faster than this [m/s]: it stops within a few cm."""
 TASK_GOALS = {
     "doorway_and_docking": (
         f"Reached means docked: at the end of the run the chair's outline is within {DOCKING_DISTANCE:g} m of the "
@@ -31,23 +30,6 @@ TASK_GOALS = {
     ),
 }
 """What counts as reached, for readers of a table."""
-
-
-class TaskDriver(ImpairedDriver):
-    """An impaired driver who goes on until the task is done: behind the gap, or docked; only time ends it else."""
-
-    def __init__(self, task: Task, config: ImpairedConfig) -> None:
-        self._task = task
-        super().__init__(task.course, config)
-
-    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
-        """As any driver, but for the end."""
-        slow = self._task.table is None or abs(twist.linear) <= DOCKING_SPEED
-        self._done = self._done or (slow and self._task.reached(pose))
-        return super().act(stamp, pose, twist, in_contact)
-
-    def _at_end(self, seen: Pose2) -> bool:
-        return False
 
 
 def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:

@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import local_grid
-from lfdcore.study.driving.metrics import MOVING
 from lfdcore.wheelchair.heatmaps.calibration import HeatmapCalibration
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.observation import ChairGeometry, observations
+from lfdcore.wheelchair.observation import MOVING, ChairGeometry, observations
 from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW
 
 Floats = NDArray[np.float64]

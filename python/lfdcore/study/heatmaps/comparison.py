@@ -27,13 +27,12 @@ from lfdcore.geometry import arc_length
 from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.planning import DppSolver, GridMdp, QLearningSolver
 from lfdcore.study.demonstrations import StageProgress
-from lfdcore.study.driving.metrics import MOVING
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
-from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
+from lfdcore.wheelchair.observation import MOVING, ChairGeometry, Observation, observations
 from lfdcore.wheelchair.paths import along, distance_to_polyline
 from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel

@@ -11,9 +11,10 @@ from lfdcore.geometry import Pose2, Twist2
 from lfdcore.simulated.courses import doorway_and_docking, narrow_gap
 from lfdcore.simulated.drivers import ImpairedConfig
 from lfdcore.simulated.run import run_drive
+from lfdcore.simulated.task_driver import DOCKING_SPEED, TaskDriver
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels
-from lfdcore.study.driving.tasks import DOCKING_SPEED, TaskDriver, TaskPlan, run_task_plan, task_row
+from lfdcore.study.driving.tasks import TaskPlan, run_task_plan, task_row
 from lfdcore.wheelchair.assistants import Unassisted
 
 
