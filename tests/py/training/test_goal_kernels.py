@@ -11,7 +11,7 @@ from distributed import Client, LocalCluster
 
 from goal_worlds import GOALS, drives, samples_of
 from lfdcore.estimation import ActionKernel
-from lfdcore.study.goals.report import likelihood_table
+from lfdcore.study.goals.tables import likelihood_table
 from lfdcore.training.goals import GoalLearningConfig, KernelLikelihood, fit_action_kernels, kernel_likelihoods
 
 SAMPLES = samples_of(drives(1))
