@@ -15,7 +15,7 @@ from lfdcore.datasets import open_log
 from lfdcore.models import HEATMAPS, NAIVE, PRIMITIVES
 from lfdcore.simulated.courses import course_by_name
 from lfdcore.study.arms import StudyModels
-from lfdcore.study.driving.study import DrivingStudy, run_driving_study
+from lfdcore.study.driving.plan import DrivingPlan, run_driving_plan
 from lfdcore.training.parts.heatmap_targets import HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, OUTPUT, NaiveHeatmap, SensorHeatmap, naive_images
@@ -106,8 +106,8 @@ def test_the_networks_know_four_of_the_drives_as_well_as_recorded(heatmap_model:
 def test_the_heatmaps_drive_the_standard_course_as_recorded() -> None:
     """Driver 1 of the demo, of whom figures.json says 186.2 s, .0345 m and no contact."""
     models, course = StudyModels(heatmaps=HEATMAPS), course_by_name("standard_course", 1)
-    study = DrivingStudy(courses=(course,), models=models, arms=("heatmaps",), drivers=1)
-    (row,) = run_driving_study(study, processes=1).rows
+    plan = DrivingPlan(courses=(course,), models=models, arms=("heatmaps",), drivers=1)
+    (row,) = run_driving_plan(plan, processes=1).rows
     assert row["completed"] and row["collisions"] == 0
     assert row["time"] == pytest.approx(186.2, rel=0.1)
     assert row["path_rmse"] == pytest.approx(0.0345, abs=0.015)

@@ -29,7 +29,7 @@ OTHERS: dict[type, Callable[[Any], list[Any]]] = {
     bool: lambda value: [not value],
     int: lambda value: [value + 1],
     float: lambda value: [0.9 * value or 0.01, 1.1 * value],
-    str: lambda name: [{"forcing": "positions"}[name]],
+    str: lambda name: [{"forcing": "positions", "positions": "forcing"}[name]],
     Pose2: lambda _: [Pose2(0.1, 0.2, 0.3)],
     Footprint: lambda _: [Footprint(0.1, 0.2, 0.3)],
 }

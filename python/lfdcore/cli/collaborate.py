@@ -196,6 +196,7 @@ def _execute(robot: RobotModel, joints: JointMotion) -> Execution:
     limits = robot.limits[[robot.joint_names.index(name) for name in joints.names]]
     arm = KinematicRobot(joints.positions[0], limits, joints.names)
     with progress_bar() as bar:
+        bar.start()
         task = bar.add_task("execute", total=joints.duration)
         return in_real_time(joints, arm, lambda time: bar.update(task, completed=time))
 

@@ -65,13 +65,18 @@ def _finite(value: Any) -> Any:
 
 @contextmanager
 def progress_bar() -> Iterator[Progress]:
-    """A progress bar on standard error, so that standard output stays clean."""
+    """A progress bar on standard error, so that standard output stays clean. It is shown from `start` on: what is
+    refused before anything was done leaves no trace of it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    bar = Progress(*columns, console=Console(stderr=True))
+    try:
         yield bar
+    finally:
+        if bar.live.is_started:
+            bar.stop()
 
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -115,17 +120,17 @@ class Stages:
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         if stage not in self._tasks:
-            self._tasks[stage] = self._bar.add_task(stage, total=None)
+            self._add(stage)
         self._bar.update(self._tasks[stage], completed=done, total=total)
 
     def step(self, title: str) -> Callable[[int, int], None]:
         """One stage's bar, shown at once; it takes reports as (done, total)."""
-        self._tasks[title] = self._bar.add_task(title, total=None)
+        self._add(title)
         return partial(self, title)
 
-    def under(self, title: str) -> Callable[[str, int, int], None]:
-        """As this, each stage named after `title`."""
-        return lambda stage, done, total: self(f"{title}: {stage}", done, total)
+    def _add(self, stage: str) -> None:
+        self._bar.start()
+        self._tasks[stage] = self._bar.add_task(stage, total=None)
 
 
 def require_writable(output: Path, inputs: list[Path]) -> None:

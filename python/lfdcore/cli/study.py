@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import MISSING
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -82,8 +83,7 @@ def run_study(study: Study, run: Run, folder: Path, as_json: bool, command: str 
     from lfdcore.study.report.table import WIDTH, wrapped
     from lfdcore.study.study import as_document, write_study
 
-    folder.mkdir(parents=True, exist_ok=True)
-    with progress_bar() as bar:
+    with _made(folder), progress_bar() as bar:
         findings = run(study, folder, Stages(bar))
         report = write_study(study, findings, folder, command)
     if as_json:
@@ -93,6 +93,19 @@ def run_study(study: Study, run: Run, folder: Path, as_json: bool, command: str 
     for table in findings.tables:
         typer.echo(table.as_text())
     typer.echo(f"report: {report}")
+
+
+@contextmanager
+def _made(folder: Path) -> Iterator[None]:
+    """The folder is there meanwhile; one that was made for a study that was refused goes again."""
+    new = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield
+    except BaseException:
+        if new and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
 
 
 def _signature(config: type[Study]) -> Signature:

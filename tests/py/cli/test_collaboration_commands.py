@@ -1,7 +1,6 @@
 """lfdcore learn collaboration and collaborate, as a user calls them; the robot is stopped by Ctrl-C."""
 
 import dataclasses
-import functools
 import json
 import math
 import signal
@@ -394,15 +393,19 @@ def test_execution_to_the_end_tells_the_tracking_error(ur5, monkeypatch, capsys)
 
 
 def test_study_joints_writes_a_report_and_says_who_is_better(monkeypatch, capsys, tmp_path) -> None:
-    from lfdcore.simulated.covering import BOUNDING_BOX
+    from lfdcore.simulated.covering import BOUNDING_BOX, CoveringProtocol
     from lfdcore.study.joints import study
     from lfdcore.training.collaborations import NoiseChoice
 
     small = dataclasses.replace(BOUNDING_BOX, demonstrations=2, novel=BOUNDING_BOX.novel[-1:])
     quick = NoiseChoice(factors=(1.0,), folds=2, shares=(0.1,))
-    monkeypatch.setattr(
-        study, "JointSpaceStudy", functools.partial(study.JointSpaceStudy, protocol=small, choice=quick)
-    )
+
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class SmallStudy(study.JointSpaceStudy):
+        protocol: CoveringProtocol = small
+        choice: NoiseChoice = quick
+
+    monkeypatch.setattr(study, "JointSpaceStudy", SmallStudy)
     more = ("--seeds", "1", "--seed", "100", "--held-out", "1", "--processes", "1")
     code, out, err = run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", *more)
     assert code == 0, err
@@ -419,5 +422,5 @@ def test_study_joints_writes_a_report_and_says_who_is_better(monkeypatch, capsys
     assert "lfdcore study joints -o out --seeds 1 --held-out 1 --seed 100" in report
     assert report.count("<img") == 1
     code, out, _ = run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", *more, "--json")
-    assert json.loads(out)["better_at"] == {"joint space": [], "Cartesian": []}
+    assert json.loads(out)["headline"].startswith("Joint space is better at nothing that shows over seeds.")
     assert run(monkeypatch, capsys, "study", "joints", "-o", tmp_path / "out", "--seeds", "0")[0] == 2

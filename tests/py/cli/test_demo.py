@@ -66,7 +66,7 @@ def test_the_demo_shows_all_its_parts_without_the_training_extra(
     code, out, err = run(monkeypatch, capsys, *words)
     assert code == 0, err
     assert "Table 4.1" in out
-    rows = json.loads((tmp_path / "figures.json").read_text())
+    rows = json.loads((tmp_path / "figures.json").read_text())["rows"]
     assert [row["assistant"] for row in rows] == ["none", "dwa", "primitives", "heatmaps"]
     written = (tmp_path / "report.html").read_text()
     titles = ("Driving", "Where the models come from", "From demonstrations to a path")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lfdcore.geometry import Pose2
+from lfdcore.grid import LaserScan
 
 T_BASE_LASER = Pose2(0.70, 0.0, 0.0)
 # an L of 2 m wide corridors: ahead along x, then to the left along y
@@ -93,3 +94,13 @@ def corner_drive(offset=0.0, speed=0.5):
     segments = [(6.0 / speed, speed, 0.0), (turn, speed, speed / radius), (7.0 / speed, speed, 0.0), (1.5, 0.0, 0.0)]
     stamps, poses, stick = drive(segments, start=(0.0, offset, 0.0))
     return log_of(stamps, poses, stick)
+
+
+AHEAD, LEFT = np.array([1.0, 0.0]), np.array([0.5, 0.5])
+"""Sticks (forward, left)."""
+
+
+def scan_at(x, y, yaw, beams=181, T_base_laser=T_BASE_LASER):
+    """A scan between the walls of the L from a pose of base_link."""
+    ranges = scans_at(np.array([[x, y, yaw]]), L_WALLS, beams, T_base_laser)[0]
+    return LaserScan(ranges, -np.pi / 2, np.pi / (beams - 1), 0.0, 30.0)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kinematics.robots import joint, robot, ur5_forward, ur5_urdf
 
 from lfdcore.errors import DataError
 from lfdcore.kinematics import InverseKinematics, RobotModel, SelfCollision
+from robots import joint, robot, ur5_forward, ur5_urdf
 
 GOOD = robot(joint("a", "base", "tip"), links=("base", "tip"))
 

@@ -9,7 +9,7 @@ from lfdcore.datasets import joystick_pairs, open_log
 from lfdcore.simulated.courses import mazes
 from lfdcore.simulated.drivers import ABLE_POPULATION, able_population
 from lfdcore.simulated.run import Job
-from lfdcore.study import heatmap_demonstrations
+from lfdcore.study import demonstrations
 from lfdcore.study.demonstrations import RecordedDrives, demonstrate_in_mazes, drive_to_destinations
 
 
@@ -21,7 +21,7 @@ def drives(tmp_path_factory: pytest.TempPathFactory) -> RecordedDrives:
 def planned(monkeypatch: pytest.MonkeyPatch, record, seed: int) -> list[Job]:  # type: ignore[no-untyped-def]
     """The jobs that would be run."""
     jobs: list[Job] = []
-    monkeypatch.setattr(heatmap_demonstrations, "_record", lambda planned, *_: jobs.extend(planned))
+    monkeypatch.setattr(demonstrations, "_record", lambda planned, *_: jobs.extend(planned))
     record(Path(), seed)
     return jobs
 

@@ -18,7 +18,7 @@ from lfdcore.study.arms import StudyModels, make_assistant
 from lfdcore.wheelchair.observation import observations
 
 SECONDS = 30.0
-REPLAY = Path(__file__).with_name("replay_log.py")
+REPLAY = Path(__file__).parents[1] / "helpers" / "replay_log.py"
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.errors import DataError
 from lfdcore.geometry import MotionLimits, Twist2
@@ -17,7 +16,7 @@ from lfdcore.wheelchair.models import load_model
 from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.stick import full_deflection_of
 from lfdcore.wheelchair.window import cell_centres
-from synthetic_drive import T_BASE_LASER
+from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, scan_at
 
 
 @pytest.fixture(scope="module")

@@ -9,15 +9,7 @@ from lfdcore.wheelchair.primitives.beam_lengths import filled_lengths
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.window import cell_centres, cell_keys, key_centres
-from synthetic_drive import L_WALLS, T_BASE_LASER, corner_drive, scans_at
-
-
-def scan_at(x, y, yaw, beams=181, T_base_laser=T_BASE_LASER):
-    ranges = scans_at(np.array([[x, y, yaw]]), L_WALLS, beams, T_base_laser)[0]
-    return LaserScan(ranges, -np.pi / 2, np.pi / (beams - 1), 0.0, 30.0)
-
-
-AHEAD, LEFT = np.array([1.0, 0.0]), np.array([0.5, 0.5])
+from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, corner_drive, scan_at
 
 
 def slow_likelihoods(paths, config, joystick, scan, T_base_laser):

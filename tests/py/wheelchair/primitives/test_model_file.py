@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from safetensors.numpy import save
-from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 from lfdcore.wheelchair.primitives.model import VERSION, DriveAssistantModel
-from synthetic_drive import T_BASE_LASER, corner_drive, drive, log_of
+from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, corner_drive, drive, log_of, scan_at
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from test_intention import AHEAD, LEFT, scan_at
 
 from lfdcore.grid import LaserScan, read_beams
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
@@ -12,7 +11,7 @@ from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.paths import along, geometric_median
 from lfdcore.wheelchair.primitives.local_paths import extract_local_paths
 from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
-from synthetic_drive import T_BASE_LASER, corner_drive
+from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, corner_drive, scan_at
 
 
 def test_the_geometric_median_has_the_least_sum_of_distances():
