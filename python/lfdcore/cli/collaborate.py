@@ -21,7 +21,7 @@ from lfdcore.cli.common import (
 if TYPE_CHECKING:
     from lfdcore.datasets.interaction import InteractionRecording
     from lfdcore.datasets.joint_motion import JointMotion
-    from lfdcore.humanoid.arm import ArmMotion
+    from lfdcore.humanoid.arm import ArmMotion, GripperMount
     from lfdcore.humanoid.collaboration import CollaborationInference, CollaborationModel
     from lfdcore.humanoid.execution import Execution
     from lfdcore.kinematics import RobotModel
@@ -46,7 +46,10 @@ def collaborate(
     tip: Annotated[
         str | None, typer.Option(help="Link that carries the gripper. Default: left_hand_link or right_hand_link.")
     ] = None,
-    tool: Annotated[float, typer.Option(help="Metres from that link to where the gripper grasps, along z.")] = 0.16,
+    tool: Annotated[
+        float | None,
+        typer.Option(help="Metres from that link to where the gripper grasps, along z. Default: a Robotiq gripper's."),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Joint trajectory (.mcap, .csv), from now on.")
     ] = None,
@@ -64,16 +67,18 @@ def collaborate(
     Where the arm cannot follow, the inferred motion is printed, nothing is written or executed, and the exit code is 1.
     """
     from lfdcore.datasets.interaction import load_interaction
+    from lfdcore.humanoid.arm import GripperMount
     from lfdcore.humanoid.collaboration import CollaborationModel
     from lfdcore.humanoid.scene import read_environment
 
     _require_options(output, picture, tool, [model_file, observe])
+    mount = GripperMount(base, tip) if tool is None else GripperMount(base, tip, tool)
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)
     seen = recording.partial(share=1.0) if until is None else recording.partial(seconds=until)
     scene = read_environment(environment) if environment is not None else recording.environment
     inference = model.infer(seen, scene if model.environment_names else None)
     facts, robot = _facts(model, inference, seen, scene), _robot(urdf)
-    joints, outcome = _joints(robot, model, inference, base, tip, tool)
+    joints, outcome = _joints(robot, model, inference, mount)
     facts["arm"] = outcome
     if picture is not None:
         from lfdcore.pictures.collaboration import collaboration_figure
@@ -87,10 +92,10 @@ def collaborate(
         raise typer.Exit(STOPPED)
 
 
-def _require_options(output: Path | None, picture: Path | None, tool: float, inputs: list[Path]) -> None:
+def _require_options(output: Path | None, picture: Path | None, tool: float | None, inputs: list[Path]) -> None:
     """Before the work."""
     require_drawable("--picture", picture)
-    if not math.isfinite(tool):
+    if tool is not None and not math.isfinite(tool):
         raise typer.BadParameter(f"--tool {tool} must be finite")
     if output is None:
         return
@@ -136,12 +141,7 @@ def _robot(urdf: Path | None) -> RobotModel:
 
 
 def _joints(
-    robot: RobotModel,
-    model: CollaborationModel,
-    inference: CollaborationInference,
-    base: str,
-    tip: str | None,
-    tool: float,
+    robot: RobotModel, model: CollaborationModel, inference: CollaborationInference, mount: GripperMount
 ) -> tuple[JointMotion | None, str]:
     """The motion from now on, None where the arm cannot follow it; what became of it, in words."""
     from lfdcore.humanoid.arm import follow_gripper, follow_joints
@@ -149,7 +149,7 @@ def _joints(
     time, motion = inference.motion_from_now(PERIOD)
     if set(model.robot.names) <= set(robot.joint_names):
         return _learned_joints(robot, follow_joints(robot, model.robot.names, time, motion), time[-1])
-    arm = follow_gripper(robot, model.robot.names, time, motion, base, tip, tool)
+    arm = follow_gripper(robot, model.robot.names, time, motion, mount)
     return (arm.joints if arm.followed else None), _arm_words(robot, arm)
 
 

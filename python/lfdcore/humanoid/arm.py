@@ -68,34 +68,44 @@ class ArmMotion:
         return str(self.result.outcome) == "followed"
 
 
+@dataclass(frozen=True)
+class GripperMount:
+    """Where on its robot a gripper sits."""
+
+    base: str = "base"
+    """link in whose frame its motion is given"""
+    tip: str | None = None
+    """link that carries it; None: left_hand_link or right_hand_link, as the columns' names begin"""
+    tool: float = ROBOTIQ_LENGTH
+    """[m] from that link to where it grasps, along z"""
+
+
 def follow_gripper(
     robot: RobotModel,
     names: Sequence[str],
     time: ArrayLike,
     motion: ArrayLike,
-    base: str = "base",
-    tip: str | None = None,
-    tool: float = ROBOTIQ_LENGTH,
+    mount: GripperMount | None = None,
+    *,
     posture: ArrayLike | None = None,
-    config: FollowConfig | None = None,
     start: ArrayLike | None = None,
 ) -> ArmMotion:
-    """A gripper's columns (T, r) by name at times (T,) [s], in the frame of `base`, as joints inside position and
-    velocity limits and, if the robot has collision shapes, clear of itself with its other joints at `posture` (N,) (by
-    default as resting_posture).
+    """A gripper's columns (T, r) by name at times (T,) [s], in the frame of the mount's base, as joints inside position
+    and velocity limits and, if the robot has collision shapes, clear of itself with its other joints at `posture` (N,)
+    (by default as resting_posture).
 
-    tip: the link that carries the gripper, by default left_hand_link or right_hand_link as the columns' names begin;
-    tool: [m] from it to where the gripper grasps, along z; start: (n,) posture from which the first pose's is sought,
-    by default the best of several. ValueError for columns that are no pose, unknown links, and as follow_poses.
+    mount: by default that of a Baxter; start: (n,) posture from which the first pose's is sought, by default the best
+    of several. ValueError for columns that are no pose, unknown links, and as follow_poses.
     """
-    chain = robot.chain(base, tip or _hand(names), robotiq_tool(tool))
+    mount = mount or GripperMount()
+    chain = robot.chain(mount.base, mount.tip or _hand(names), robotiq_tool(mount.tool))
     surroundings = SelfCollision(robot) if robot.collision_shapes else None
     result = follow_poses(
         chain,
         time,
         gripper_poses(names, motion),
         None if start is None else np.asarray(start, np.float64),
-        config=config or FollowConfig(),
+        config=FollowConfig(),
         self_collision=surroundings,
         posture=None if surroundings is None else (resting_posture(robot) if posture is None else posture),
     )

@@ -1,0 +1,1 @@
+"""Stand-ins for people and places: courses, drivers, runs and their traces, partners and demonstrators."""

@@ -1,1 +1,1 @@
-"""Simulated studies: courses, drivers, runs, metrics, statistics and reports (Sec. 3.5, 3.6, App. A.2)."""
+"""Studies, a folder each, named as their commands; what they share stands beside the folders."""

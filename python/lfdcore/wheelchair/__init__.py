@@ -1,1 +1,1 @@
-"""The powered wheelchair: from scan and joystick to the driver's intention, a path and a command (Ch. 3)."""
+"""The powered wheelchair: the drive loop, assistants, and a folder for each way to infer the driver (Ch. 2-4)."""

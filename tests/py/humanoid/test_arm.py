@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.arm import (
+    GripperMount,
     follow_gripper,
     follow_joints,
     gripper_poses,
@@ -134,9 +135,9 @@ def test_the_columns_say_which_hand_it_is_and_another_must_be_named() -> None:
     with pytest.raises(ValueError, match="which hand moves"):
         follow_gripper(ROBOT, [name.split("_")[1] for name in one.robot_names], one.stamp, one.robot)
     with pytest.raises(ValueError, match="nowhere"):
-        follow_gripper(ROBOT, one.robot_names, one.stamp, one.robot, tip="nowhere")
+        follow_gripper(ROBOT, one.robot_names, one.stamp, one.robot, GripperMount(tip="nowhere"))
     with pytest.raises(ValueError, match="nan m, must be finite"):
-        follow_gripper(ROBOT, one.robot_names, one.stamp, one.robot, tool=np.nan)
+        follow_gripper(ROBOT, one.robot_names, one.stamp, one.robot, GripperMount(tool=np.nan))
 
 
 def test_another_robots_arm_follows_by_its_own_geometry() -> None:
@@ -146,7 +147,7 @@ def test_another_robots_arm_follows_by_its_own_geometry() -> None:
     poses = np.array([ur5_forward(q) @ robotiq_tool() for q in begin + s * s * (3 - 2 * s) * (end - begin)])
     columns = np.hstack([poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_quat()])
     names = [f"tool.{axis}" for axis in ("x", "y", "z", "qx", "qy", "qz", "qw")]
-    arm = follow_gripper(ur5, names, np.linspace(0, 3, 60), columns, "l0", "tool0")
+    arm = follow_gripper(ur5, names, np.linspace(0, 3, 60), columns, GripperMount("l0", "tool0"))
     assert arm.followed and arm.joints is not None
     made = np.array([ur5_forward(q) @ robotiq_tool() for q in arm.joints.positions])
     np.testing.assert_allclose(made, poses, atol=2e-4)

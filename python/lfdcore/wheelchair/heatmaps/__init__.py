@@ -1,0 +1,1 @@
+"""Ch. 4: heatmaps from a scan and a stick, and the path over their product."""
