@@ -101,6 +101,7 @@ LFDCORE_INLINE void sum_across(const Row& below, const Row& row, const Row& abov
                           load<N>(row.m + x) * own;
     const Vec<N> weighted = load<N>(below.sum_y + x) * f0 + load<N>(row.sum_y + x) * f1 +
                             load<N>(above.sum_y + x) * f2 + load<N>(row.my + x) * own;
+    // D.7 summed over the moves, with the Boltzmann mean of D.8: weighted / weight.
     // A cell without any open neighbour has weight 0; it is blocked itself.
     store<N>(next + x, count * load<N>(reward + x) + discount * (weighted / larger(weight, Vec<N>{} + 1e-300)));
   }

@@ -68,27 +68,35 @@ def compare(first: dict[str, Any], second: dict[str, Any]) -> list[Comparison]:
     if first["study"] != second["study"]:
         raise ValueError(f"the reports are of study {first['study']} and of study {second['study']}, must be of one")
     a, b = _figures(first), _figures(second)
-    found = [_comparison(key, a[key], b[key]) for key in a if key in b]
+    paired = all(SEED in document["keys"] for document in (first, second))
+    found = [_comparison(key, a[key], b[key], paired) for key in a if key in b]
     if not found:
         raise ValueError(f"the two reports of study {first['study']} have no figure in common")
     return found
 
 
 def _figures(document: dict[str, Any]) -> dict[Key, dict[object, float]]:
-    """(what it is about, figure) -> seed -> value"""
+    """(what it is about, figure) -> seed -> value; of a study that has rows for single repetitions, those alone."""
+    keys, rows = document["keys"], document["rows"]
+    single = [row for row in rows if row.get(SEED) is not None] if SEED in keys else []
     found: dict[Key, dict[object, float]] = {}
-    for number, row in enumerate(document["rows"]):
-        about = tuple((name, row[name]) for name in document["keys"] if name in row and name != SEED)
-        seed = row.get(SEED, number) if SEED in document["keys"] else None
+    for number, row in enumerate(single or rows):
+        about = tuple((name, row[name]) for name in keys if name in row and name != SEED)
         for name, value in row.items():
-            if name not in document["keys"] and isinstance(value, int | float):
-                found.setdefault((about, name), {})[seed] = float(value)
+            if name not in keys and not _beside(name) and isinstance(value, int | float):
+                values = found.setdefault((about, name), {})
+                values[row[SEED] if single else number] = float(value)
     return found
 
 
-def _comparison(key: Key, first: dict[object, float], second: dict[object, float]) -> Comparison:
+def _beside(name: str) -> bool:
+    """Whether a column stands beside a figure: an interval's end, a count, a verdict."""
+    return name.rsplit("_", 1)[-1] in ("low", "high", "n", "missing", "reached")
+
+
+def _comparison(key: Key, first: dict[object, float], second: dict[object, float], paired: bool) -> Comparison:
     about, figure = key
-    common = [seed for seed in first if seed in second]
+    common = [seed for seed in first if seed in second] if paired else []
     of_both = [[values[seed] for seed in common] for values in (first, second)]
     a, b = of_both if common else (list(first.values()), list(second.values()))
     return Comparison(dict(about), str(figure), a, b, bool(common))  # type: ignore[call-overload]
@@ -109,7 +117,8 @@ def comparison_table(first: dict[str, Any], second: dict[str, Any]) -> Table:
 
 
 def _row(one: Comparison) -> Row:
-    what = ", ".join(str(value) for value in one.about.values() if value is not None)
+    named = ((name, value) for name, value in one.about.items() if value is not None)
+    what = ", ".join(value if isinstance(value, str) else f"{name} {value}" for name, value in named)
     figures = (figure_cell(*one.difference, digits=DIGITS), p_cell(one.p))
     return (
         f"{what}\n{one.figure}",

@@ -1,7 +1,8 @@
 """What a planning method brings: a model that says how it plans and what it predicts (Ch. 3, Ch. 4).
 
 A method is a folder beside this file (primitives, heatmaps) with model.py, planner.py and prediction.py. models.py
-lists the classes of models; nothing else has to know which methods there are.
+lists the classes of models. Assistants and predictions ask the model; only `lfdcore learn` and studies that compare
+methods name them.
 """
 
 from __future__ import annotations

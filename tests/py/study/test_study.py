@@ -131,6 +131,23 @@ def test_runs_without_a_common_seed_are_not_paired() -> None:
     assert one.p != one.p
 
 
+def test_of_a_study_with_repetitions_only_those_are_compared_and_bounds_never() -> None:
+    one, other = (document({1: 1.0, 2: t}) for t in (2.0, 3.0))
+    for both in (one, other):
+        both["rows"].append({"arm": "a", "time": 1.5, "low": 0.1, "n": 2, "reached": True})
+        both["rows"][0]["time_low"] = 0.5
+    (found,) = compare(one, other)
+    assert (found.figure, list(found.first)) == ("time", [1.0, 2.0])
+
+
+def test_without_seeds_nothing_is_paired() -> None:
+    one, other = (document({1: t}, keys=["arm"]) for t in (2.0, 3.0))
+    for both in (one, other):
+        del both["rows"][0]["seed"]
+    (found,) = compare(one, other)
+    assert (found.paired, found.difference[0]) == (False, 1.0)
+
+
 def test_the_table_shows_what_differs_and_counts_what_does_not() -> None:
     first, second = document({1: 1.0, 2: 2.0}), document({1: 1.0, 2: 2.5})
     table = comparison_table(first, second)

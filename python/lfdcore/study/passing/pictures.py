@@ -18,7 +18,7 @@ from lfdcore.study.passing.study import AXES, Group, PassingExample, PassingResu
 from lfdcore.study.report.statistics import summarise
 
 Floats = NDArray[np.float64]
-ARMS = ("IP", "EaIP")
+SHOWN_ARMS = ("IP", "EaIP")
 DEMONSTRATION, GENERATED, MEAN = BODY, METHOD_COLOURS["EaIP"], INK
 SHOWN = (0, 20, 60, 100)
 """L of Fig. 5.6's rows"""
@@ -120,7 +120,7 @@ def distance_figure(result: PassingResult) -> Figure:
 
 def _draw_distances(axes: Axes, result: PassingResult, seen: str, group: Group) -> None:
     lengths = result.study.lengths
-    for arm in ARMS:
+    for arm in SHOWN_ARMS:
         colour = METHOD_COLOURS[arm]
         by_seed = result.by_seed(result.distance, arm, seen, group)
         summaries = [summarise(column) for column in by_seed.T]

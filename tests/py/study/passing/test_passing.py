@@ -171,15 +171,14 @@ def test_the_result_does_not_depend_on_the_number_of_processes(small: PassingRes
 
 def test_every_figure_is_there_for_machines(small: PassingResult) -> None:
     rows = figure_rows(small)
-    assert len(rows) == len(ARMS) * len(AXES) * 2 * 3 + 2 + 3 * 5
-    (row,) = [
-        row
-        for row in rows
-        if [row.get(key) for key in ("arm", "seen", "rectangles", "observed")] == ["IP", "both axes", "known", 60]
-    ]
+    assert len(rows) == len(ARMS) * len(AXES) * 2 * 3 * (1 + SMALL.seeds) + 2 + 3 * 5
+    what = ("arm", "seen", "rectangles", "observed")
+    row, *by_seed = [row for row in rows if [row.get(key) for key in what] == ["IP", "both axes", "known", 60]]
     assert row["distance"] == pytest.approx(small.distance[:, NAMES.index("IP"), 0, 1, :3].mean())
     assert row["n"] == 2
     assert row["low"] < row["distance"] < row["high"]
+    assert [one["seed"] for one in by_seed] == [100, 101]
+    assert np.mean([one["distance"] for one in by_seed]) == pytest.approx(row["distance"])
 
 
 def test_the_picture_of_observations_has_a_row_a_length_and_dashes_what_is_novel() -> None:
