@@ -1,7 +1,8 @@
 # make demo   an assistant learned from demonstrations -> a driver in a course never seen; ends with a table and report.html
 #             TRAIN=1 learns its models first, for which it installs torch; else they are those that come with the package
 # make test   builds, then runs gtest and pytest
-# Both install what is missing: system packages through apt where that is allowed, the rest into .venv.
+# make check | format | figures | stubs | models | benchmark   for developers, see CONTRIBUTING.md
+# All install what is missing: system packages through apt where that is allowed, the rest into .venv.
 
 VENV := .venv
 BIN := $(VENV)/bin

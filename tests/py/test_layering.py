@@ -11,17 +11,19 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
 FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics"}
+BASE = FACADES | {"progress"}
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},
+    "progress": set(),
     "datasets": FACADES,
     "models": set(),
-    "wheelchair": FACADES | {"datasets"},
-    "humanoid": FACADES | {"datasets"},
-    "simulated": FACADES | {"datasets", "wheelchair", "humanoid"},
-    "training": FACADES | {"datasets", "wheelchair", "humanoid"},
-    "pictures": FACADES | {"datasets", "wheelchair", "humanoid", "simulated", "training"},
-    "study": FACADES | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
-    "cli": FACADES | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
+    "wheelchair": BASE | {"datasets"},
+    "humanoid": BASE | {"datasets"},
+    "simulated": BASE | {"datasets", "wheelchair", "humanoid"},
+    "training": BASE | {"datasets", "wheelchair", "humanoid"},
+    "pictures": BASE | {"datasets", "wheelchair", "humanoid", "simulated", "training"},
+    "study": BASE | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
+    "cli": BASE | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion", "row_matrix"}

@@ -20,11 +20,10 @@ from lfdcore.cli.common import (
     require_each_once,
     save_picture,
 )
+from lfdcore.progress import Progress
 from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from lfdcore.datasets.drive_log import DriveLog
     from lfdcore.geometry import Footprint
     from lfdcore.study.heatmaps.comparison import ComparedModels, Comparison
@@ -179,9 +178,7 @@ def _of_each_kind(files: list[Path], models: dict[str, MethodModel]) -> Compared
     return ModelFiles(**dict(zip(methods, files, strict=True))).load()
 
 
-def _compare(
-    logs: list[DriveLog], models: ComparedModels, meaning: StickMeaning, tell: Callable[[int, int], None]
-) -> Comparison:
+def _compare(logs: list[DriveLog], models: ComparedModels, meaning: StickMeaning, tell: Progress) -> Comparison:
     """A stick that was not recorded is one for all methods: what the heatmaps' demonstrations meant by it."""
     from lfdcore.study.heatmaps.comparison import Comparison, ComparisonConfig, compare_on_log
     from lfdcore.wheelchair.stick import with_stick

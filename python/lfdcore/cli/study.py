@@ -98,13 +98,14 @@ def run_study(study: Study, run: Run, folder: Path, as_json: bool, command: str 
 @contextmanager
 def _made(folder: Path) -> Iterator[None]:
     """The folder is there meanwhile; one that was made for a study that was refused goes again."""
-    new = not folder.exists()
+    new = [one for one in (folder, *folder.parents) if not one.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     try:
         yield
     except BaseException:
-        if new and not any(folder.iterdir()):
-            folder.rmdir()
+        for one in new:
+            if not any(one.iterdir()):
+                one.rmdir()
         raise
 
 
@@ -144,7 +145,7 @@ def _field(name: str, hint: Any, typed: Any) -> Any:
     if hint == tuple[Path, ...]:
         return tuple(typed)
     if hint == tuple[str, ...]:
-        return tuple(typed.split(","))
+        return tuple(word.strip() for word in typed.split(","))
     if hint == tuple[int, ...]:
         try:
             return tuple(int(word) for word in typed.split(","))

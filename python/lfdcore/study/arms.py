@@ -52,6 +52,10 @@ class StudyModels:
         """Of a method's model; None without one."""
         return self._files.get(method)
 
+    def and_file(self, method: str, path: Path) -> StudyModels:
+        """These, and a method's model."""
+        return StudyModels(**{**self._files, method: path})
+
     def of(self, arm: str) -> MethodModel:
         """The model that drives in an arm. ValueError without one; ModelError as load_model, and for a file that holds
         a model of another method."""

@@ -7,9 +7,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from lfdcore.study.study import Findings, Progress, Study
+from lfdcore.progress import StageProgress
+from lfdcore.study.study import Findings, Study
 
-Run = Callable[[Any, Path, Progress], Findings]
+Run = Callable[[Any, Path, StageProgress], Findings]
 """Runs a config with a folder of its own, reports progress -> what was found"""
 
 STUDIES = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,14 @@ from lfdcore.study.report.statistics import paired_test, summarise
 from lfdcore.study.report.table import Row, Table
 from lfdcore.study.study import FIGURES
 
-Key = tuple[object, ...]
+Key = tuple[tuple[tuple[str, object], ...], str]
+"""what a row is about, and the name of a figure"""
 SEED = "seed"
 """the column that says which repetition a row is of"""
+FORM = {"study": str, "command": str, "lfdcore": str, "keys": list, "rows": list}
+"""what a study's document holds, at least"""
 DIGITS = 3
+"""significant ones, of the smaller of a figure and its change"""
 
 
 @dataclass(frozen=True)
@@ -33,8 +38,13 @@ class Comparison:
     first: Sequence[float]
     """a value a repetition"""
     second: Sequence[float]
-    paired: bool
-    """whether both have the same seeds, in the same order"""
+    seeds: Sequence[int]
+    """that both have, in the order of the values; none: the runs are not paired"""
+
+    @property
+    def paired(self) -> bool:
+        """Whether the values of both are of the same seeds."""
+        return bool(self.seeds)
 
     @property
     def difference(self) -> tuple[float, float, float]:
@@ -57,9 +67,11 @@ def read_document(path: Path) -> dict[str, Any]:
         document = json.loads(file.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, json.JSONDecodeError) as broken:
         raise DataError(f"{file}: holds no JSON: {broken}") from broken
-    needed = {"study", "keys", "rows", "command"}
-    if not isinstance(document, dict) or needed - document.keys():
-        raise DataError(f"{file}: holds no figures of a study, which have {', '.join(sorted(needed))}")
+    if not isinstance(document, dict) or not all(isinstance(document.get(name), one) for name, one in FORM.items()):
+        raise DataError(f"{file}: holds no figures of a study, which have {', '.join(FORM)}")
+    for number, row in enumerate(document["rows"]):
+        if not isinstance(row, dict) or any(isinstance(row.get(name), list | dict) for name in document["keys"]):
+            raise DataError(f"{file}: row {number} is no row of figures: {json.dumps(row)[:80]}")
     return document
 
 
@@ -68,25 +80,36 @@ def compare(first: dict[str, Any], second: dict[str, Any]) -> list[Comparison]:
     if first["study"] != second["study"]:
         raise ValueError(f"the reports are of study {first['study']} and of study {second['study']}, must be of one")
     a, b = _figures(first), _figures(second)
-    paired = all(SEED in document["keys"] for document in (first, second))
-    found = [_comparison(key, a[key], b[key], paired) for key in a if key in b]
+    found = [_comparison(key, a[key], b[key]) for key in a if key in b]
     if not found:
         raise ValueError(f"the two reports of study {first['study']} have no figure in common")
     return found
 
 
-def _figures(document: dict[str, Any]) -> dict[Key, dict[object, float]]:
-    """(what it is about, figure) -> seed -> value; of a study that has rows for single repetitions, those alone."""
-    keys, rows = document["keys"], document["rows"]
-    single = [row for row in rows if row.get(SEED) is not None] if SEED in keys else []
-    found: dict[Key, dict[object, float]] = {}
-    for number, row in enumerate(single or rows):
-        about = tuple((name, row[name]) for name in keys if name in row and name != SEED)
-        for name, value in row.items():
-            if name not in keys and not _beside(name) and isinstance(value, int | float):
-                values = found.setdefault((about, name), {})
-                values[row[SEED] if single else number] = float(value)
-    return found
+def _figures(document: dict[str, Any]) -> dict[Key, dict[int | None, float]]:
+    """Figures by seed; None: of a row that is about no single repetition, which counts only where there is none that
+    is. ValueError for two rows that the keys do not tell apart."""
+    found: dict[Key, dict[int | None, float]] = {}
+    for row in document["rows"]:
+        about = tuple((name, row[name]) for name in document["keys"] if row.get(name) is not None and name != SEED)
+        seed = row.get(SEED) if SEED in document["keys"] else None
+        for name in _figure_names(document, row):
+            values = found.setdefault((about, name), {})
+            if seed in values:
+                raise ValueError(f"two rows of study {document['study']} are about {dict(about)}, seed {seed}")
+            values[seed] = float(row[name])
+    return {key: _repetitions(values) for key, values in found.items()}
+
+
+def _figure_names(document: dict[str, Any], row: Mapping[str, object]) -> list[str]:
+    """Of a row's columns those that are figures: not keys, nor what stands beside a figure (`_beside`)."""
+    about = {SEED, *document["keys"]}
+    return [name for name, value in row.items() if name not in about and not _beside(name) and _number(value)]
+
+
+def _number(value: object) -> bool:
+    """Also true and false, whose mean is a share."""
+    return isinstance(value, int | float)
 
 
 def _beside(name: str) -> bool:
@@ -94,34 +117,48 @@ def _beside(name: str) -> bool:
     return name.rsplit("_", 1)[-1] in ("low", "high", "n", "missing", "reached")
 
 
-def _comparison(key: Key, first: dict[object, float], second: dict[object, float], paired: bool) -> Comparison:
+def _repetitions(values: dict[int | None, float]) -> dict[int | None, float]:
+    return {seed: value for seed, value in values.items() if seed is not None} or values
+
+
+def _comparison(key: Key, first: dict[int | None, float], second: dict[int | None, float]) -> Comparison:
     about, figure = key
-    common = [seed for seed in first if seed in second] if paired else []
-    of_both = [[values[seed] for seed in common] for values in (first, second)]
-    a, b = of_both if common else (list(first.values()), list(second.values()))
-    return Comparison(dict(about), str(figure), a, b, bool(common))  # type: ignore[call-overload]
+    seeds = [seed for seed in first if seed is not None and seed in second]
+    a, b = ([values[seed] for seed in seeds or values] for values in (first, second))
+    return Comparison(dict(about), figure, a, b, seeds)
 
 
 def comparison_table(first: dict[str, Any], second: dict[str, Any]) -> Table:
-    """A row a figure that differs; what is the same in both is counted below."""
+    """A row a figure that differs; what is the same in both, or in one alone, is counted below."""
     every = compare(first, second)
     shown = [one for one in every if list(one.first) != list(one.second)]
+    alone = len(_figures(first).keys() ^ _figures(second).keys())
+    counted = f"{len(every) - len(shown)} of {len(every)} figures are equal and not shown."
     return Table(
         f"Study {first['study']}, two runs side by side",
-        ("", "first", "second", "second - first", "p"),
+        ("", "first", "second", "second - first", "n", "p"),
         tuple(_row(one) for one in shown),
-        f"First: `{first['command']}`; second: `{second['command']}`. {len(every) - len(shown)} of {len(every)} "
-        "figures are equal and not shown. Means+-sd over seeds; differences with the 95 % interval and p "
-        "(Wilcoxon's signed rank) over the seeds that both have.",
+        f"First: lfdcore {first['lfdcore']}, `{first['command']}`; second: lfdcore {second['lfdcore']}, "
+        f"`{second['command']}`. {counted}{f' {alone} are of one run alone.' if alone else ''} Means+-sd over n seeds; "
+        "differences with the 95 % interval and p (Wilcoxon's signed rank) over the seeds that both have; n of both "
+        "runs and no p where they have none.",
     )
 
 
 def _row(one: Comparison) -> Row:
-    named = ((name, value) for name, value in one.about.items() if value is not None)
-    what = ", ".join(value if isinstance(value, str) else f"{name} {value}" for name, value in named)
-    figures = (figure_cell(*one.difference, digits=DIGITS), p_cell(one.p))
+    what = ", ".join(value if isinstance(value, str) else f"{name} {value}" for name, value in one.about.items())
+    digits = _decimals(one)
+    n = str(len(one.seeds)) if one.paired else f"{len(one.first)}, {len(one.second)}"
     return (
         f"{what}\n{one.figure}",
-        *(summary_cell(summarise(values), DIGITS) for values in (one.first, one.second)),
-        *figures,
+        *(summary_cell(summarise(values), digits) for values in (one.first, one.second)),
+        figure_cell(*one.difference, digits=digits),
+        n,
+        p_cell(one.p),
     )
+
+
+def _decimals(one: Comparison) -> int:
+    """Enough that neither the figure nor its change is written as 0."""
+    sizes = [abs(x) for x in (float(np.mean(one.first)), one.difference[0]) if x != 0 and isfinite(x)]
+    return min(15, max(2, DIGITS - 1 - floor(log10(min(sizes))))) if sizes else 2

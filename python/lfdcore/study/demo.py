@@ -12,6 +12,7 @@ from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.models import HEATMAPS, NAIVE, PRIMITIVES, SEED
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study import demonstrations
 from lfdcore.study.arms import StudyModels
 from lfdcore.study.driving.report import findings, stage_section
@@ -22,7 +23,7 @@ from lfdcore.study.prediction.picture import prediction_figure
 from lfdcore.study.prediction.study import SHARE, predict_log
 from lfdcore.study.prediction.tables import prediction_table
 from lfdcore.study.report.page import Section
-from lfdcore.study.study import Findings, Progress, under
+from lfdcore.study.study import Findings, under
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
@@ -45,7 +46,7 @@ def demo_study(drivers: int, starts: int, seed: int, *, train: bool) -> DrivingS
     return DrivingStudy(models=models, drivers=drivers, starts=starts, seed=seed)
 
 
-def run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: DrivingStudy, folder: Path, tell: StageProgress) -> Findings:
     """Everything that the demo shows. Needs the extra 'train' where the study has no models."""
     result = run_driving_study(study, folder, tell)
     models = result.courses.plan.models
@@ -54,14 +55,14 @@ def run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
     return replace(found, sections=[*found.sections, *more(study.seed, folder, models, tell), *_real_section(models)])
 
 
-def _of_trained_models(seed: int, folder: Path, models: StudyModels, tell: Progress) -> list[Section]:
+def _of_trained_models(seed: int, folder: Path, models: StudyModels, tell: StageProgress) -> list[Section]:
     """The naive network learns from the demonstrations that the heatmaps were learned from."""
     mazes = sorted(folder.glob("maze-*.mcap"))
     naive = learn_naive(folder, [open_log(path) for path in mazes], under(tell, "a posteriori"))
     return _a_posteriori(seed, folder, models, naive, mazes, tell)
 
 
-def _of_shipped_models(seed: int, folder: Path, models: StudyModels, tell: Progress) -> list[Section]:
+def _of_shipped_models(seed: int, folder: Path, models: StudyModels, tell: StageProgress) -> list[Section]:
     """What the models were learned from is driven again, for the pictures and for the comparison."""
     logs = [open_log(path) for path, _ in demonstrations.demonstrate(folder, SEED)]
     report = partial(tell, "demonstrations of heatmaps")
@@ -72,7 +73,7 @@ def _of_shipped_models(seed: int, folder: Path, models: StudyModels, tell: Progr
 
 
 def _a_posteriori(
-    seed: int, folder: Path, models: StudyModels, naive: Path, mazes: Sequence[Path], tell: Progress
+    seed: int, folder: Path, models: StudyModels, naive: Path, mazes: Sequence[Path], tell: StageProgress
 ) -> list[Section]:
     """Table 4.2 and the stages of heatmaps: every method learned from the same drives through the mazes."""
     heatmaps = models.file("heatmaps")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from lfdcore.datasets import open_log
+from lfdcore.progress import Progress, StageProgress
 from lfdcore.simulated.courses import Course, home_20x19, mazes, training_courses
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, ExpertDriver, able_population
 from lfdcore.simulated.run import Job, RunConfig, run_drive
@@ -23,9 +24,6 @@ from lfdcore.wheelchair.assistants import Unassisted
 if TYPE_CHECKING:
     from lfdcore.training.parts.heatmap_net import EpochLoss
 
-Progress = Callable[[int, int], None]
-StageProgress = Callable[[str, int, int], None]
-"""Called with (stage, done, total)."""
 HeatmapsFile = Annotated[Path | None, Option("Learned heatmaps; else learned from demonstrations, which needs torch.")]
 """The option `model` of studies that drive with heatmaps alone"""
 
@@ -69,7 +67,7 @@ def learn_from_demonstrations(
     folder: Path,
     seed: int,
     config: LearningConfig | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Demonstrates, learns and saves the model in `folder` -> its path."""
     logs = [open_log(path) for path, _ in demonstrate(folder, seed)]

@@ -6,11 +6,13 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from typing import Protocol, TypeVar
+
+from lfdcore.progress import Progress
 
 Result_co = TypeVar("Result_co", covariant=True)
 
@@ -24,7 +26,7 @@ class Runnable(Protocol[Result_co]):
 
 def run_jobs(
     jobs: Sequence[Runnable[Result_co]],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     processes: int | None = None,
 ) -> tuple[Result_co, ...]:
     """Runs jobs over processes -> their results (a Job's trace) in the jobs' order, whatever the number of processes.

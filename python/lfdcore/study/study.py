@@ -9,26 +9,26 @@ from __future__ import annotations
 import json
 import math
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
+import numpy as np
+
 from lfdcore import __version__
 from lfdcore.pictures.style import Picture, png
+from lfdcore.progress import StageProgress
 from lfdcore.study.report.aims import Aim
 from lfdcore.study.report.page import Section, write_report
 from lfdcore.study.report.table import Table
-
-Progress = Callable[[str, int, int], None]
-"""Reports (stage, done, total)."""
 
 
 def silent(stage: str, done: int, total: int) -> None:
     """Reports to nobody."""
 
 
-def under(tell: Progress, title: str) -> Progress:
+def under(tell: StageProgress, title: str) -> StageProgress:
     """As `tell`, each stage named after `title`."""
     return lambda stage, done, total: tell(f"{title}: {stage}", done, total)
 
@@ -102,8 +102,14 @@ def default_of(study: type[Study], name: str) -> Any:
 
 
 def _require_inside(name: str, value: object, option: Option) -> None:
-    if not isinstance(value, int) or isinstance(value, bool):
+    """Also of every element. A number that has bounds counts something: it must be whole."""
+    if isinstance(value, tuple):
+        for one in value:
+            _require_inside(name, one, option)
+    if isinstance(value, tuple) or value is None or (option.minimum is None and option.maximum is None):
         return
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise ValueError(f"{name} is {value!r}, must be a whole number")
     if option.minimum is not None and value < option.minimum:
         raise ValueError(f"{name} is {value}, must be at least {option.minimum}")
     if option.maximum is not None and value > option.maximum:
@@ -122,7 +128,9 @@ def _words(name: str, option: Option, value: Any) -> list[str]:
 
 
 def _written(value: Any) -> str:
-    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+    if isinstance(value, Path):
+        return value.name or str(value)
+    return ",".join(map(_written, value)) if isinstance(value, tuple) else str(value)
 
 
 def _file_names(paths: Any) -> list[str]:
@@ -166,20 +174,27 @@ def as_document(study: Study, findings: Findings) -> dict[str, Any]:
         "command": study.command(),
         "seed": study.seed,
         "headline": findings.headline,
-        "aims": [_plain(aim.as_row()) for aim in findings.aims],
+        "aims": _plain([aim.as_row() for aim in findings.aims]),
         "keys": list(findings.keys),
-        "rows": [_plain(row) for row in findings.rows],
+        "rows": _plain(findings.rows),
     }
 
 
-def _plain(row: Row) -> Row:
-    """What is not a finite number becomes None: JSON has no NaN."""
-    return {name: None if isinstance(v, float) and not math.isfinite(v) else v for name, v in row.items()}
+def _plain(value: Any) -> Any:
+    """In JSON's values, at any depth. What is not a finite number becomes None: JSON has no NaN."""
+    if isinstance(value, Mapping):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def write_study(study: Study, findings: Findings, folder: Path, command: str = "") -> Path:
     """Writes report.html, figures.json and named pictures into `folder` -> the report's path. The same findings give
     the same bytes. `command` stands in the report as what made it, else the study's own."""
+    folder.mkdir(parents=True, exist_ok=True)
     document = as_document(study, findings) | ({"command": command} if command else {})
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     (folder / FIGURES).write_text(text, encoding="utf-8")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.interaction import InteractionRecording, environments
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel, evenly
 from lfdcore.humanoid.pose_columns import PoseColumns
-
-Progress = Callable[[int, int], None]
+from lfdcore.progress import Progress
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
 from lfdcore.geometry import arc_length
+from lfdcore.progress import StageProgress
 from lfdcore.training.parts.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
 from lfdcore.training.parts.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
 from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
@@ -21,8 +22,6 @@ from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap, SensorHeatmap
 from lfdcore.wheelchair.window import WINDOW
 
-Progress = Callable[[str, int, int], None]
-"""Called with (stage, done, total)"""
 _MOST_OWN = 20_000  # pairs, of 30 kB each, but for those that turns on the spot add
 
 
@@ -70,7 +69,7 @@ class LearnedHeatmaps(Generic[Model]):
 def learn_heatmaps(
     logs: Sequence[DriveLog],
     config: HeatmapLearningConfig | None = None,
-    progress: Progress | None = None,
+    progress: StageProgress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
 ) -> LearnedHeatmaps[HeatmapModel]:
     """From demonstrations with a joystick (Sec. 4.2-4.4). ValueError as heatmap_pairs, learn_joystick and
@@ -103,7 +102,7 @@ def _pairs(log: DriveLog) -> JoystickPairs:
 def learn_naive_heatmap(
     logs: Sequence[DriveLog],
     config: HeatmapLearningConfig | None = None,
-    progress: Progress | None = None,
+    progress: StageProgress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
 ) -> LearnedHeatmaps[NaiveHeatmapModel]:
     """The same network on scan and stick in one image, its target the driver's own way alone (Sec. 4.6.2)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets import joystick_from_motion
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import full_deflection
+from lfdcore.progress import Progress
 from lfdcore.training.parts.typical_paths import TypicalPathConfig, typical_paths
 from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
@@ -44,7 +45,7 @@ class LearningConfig:
 def learn_drive(
     logs: Sequence[DriveLog],
     config: LearningConfig | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> DriveAssistantModel:
     """Learns from demonstrations (Sec. 3.2-3.4). progress(done, total) is called after every log and every part.
 

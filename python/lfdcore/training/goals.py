@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,14 +19,13 @@ from lfdcore.estimation import (
     Kernel,
     select_subset,
 )
+from lfdcore.progress import StageProgress
 from lfdcore.training.parts.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
 from lfdcore.training.parts.process_noise import best_calibrated, leave_drives_out
 from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples, Heading, goal_samples, goal_state
 
-Progress = Callable[[str, int, int], None]
-"""Called with (stage, done, total)"""
 Floats = NDArray[np.float64]
 
 
@@ -92,7 +91,7 @@ def learn_goals(
     logs: Sequence[DriveLog],
     goals: Goals,
     config: GoalLearningConfig | None = None,
-    progress: Progress | None = None,
+    progress: StageProgress | None = None,
     processes: int = 1,
 ) -> GoalModel:
     """From drives whose metadata name their destination. ValueError where a goal has no drive or a log no stick.
@@ -156,7 +155,11 @@ def data_hash(samples: GoalSamples) -> str:
 
 
 def fit_action_kernels(
-    samples: GoalSamples, goals: Goals, config: GoalLearningConfig, progress: Progress | None = None, processes: int = 1
+    samples: GoalSamples,
+    goals: Goals,
+    config: GoalLearningConfig,
+    progress: StageProgress | None = None,
+    processes: int = 1,
 ) -> tuple[ActionKernel, ActionKernel]:
     """Type-II maximum likelihood (C.3 corrected, F4) for forward and left, on a seeded draw of the samples."""
     tell = progress or (lambda stage, done, total: None)
@@ -225,7 +228,7 @@ def kernel_likelihoods(
     goals: Goals,
     kernels: tuple[ActionKernel, ActionKernel],
     config: GoalLearningConfig,
-    progress: Progress | None = None,
+    progress: StageProgress | None = None,
 ) -> tuple[KernelLikelihood, KernelLikelihood]:
     """Of forward and left, once each: for N = 10^4 some 15 s and 4 N^2 bytes (400 MB)."""
     tell = progress or (lambda stage, done, total: None)

@@ -87,26 +87,30 @@ def drive(
     """
     if not 0 < period < math.inf:
         raise ValueError(f"period is {period} s, must be finite and > 0")
-    assistant.reset()
     clock = clock or WallClock()
     try:
+        assistant.reset()
+        scan_stamp = -math.inf
         for number in count():
             stamp = clock.wait_until(number * period)
             observation = chair.observe(stamp)
             assistance = assistant.update(observation)
             chair.command(assistance.command, period)
             if log is not None:
-                record(log, observation, assistance)
+                record(log, observation, assistance, with_scan=observation.scan_stamp > scan_stamp)
+                scan_stamp = observation.scan_stamp
             if until(Tick(stamp, observation, assistance)):
                 return
     finally:
         chair.stop()
 
 
-def record(log: DriveLogWriter, seen: Observation, answer: Assistance) -> None:
-    """Writes what a chair's drive log holds of one tick (docs/drive-log.md)."""
+def record(log: DriveLogWriter, seen: Observation, answer: Assistance, *, with_scan: bool = True) -> None:
+    """Writes what a chair's drive log holds of one tick (docs/drive-log.md). with_scan: False for a scan that an
+    earlier tick saw, and wrote, already."""
     log.odometry(seen.stamp, seen.pose, seen.twist)
-    log.scan(seen.scan_stamp, seen.scan)
+    if with_scan:
+        log.scan(seen.scan_stamp, seen.scan)
     log.joystick(seen.stamp, *seen.joystick)
     log.command(seen.stamp, answer.command)
     if answer.planned and answer.path is not None:

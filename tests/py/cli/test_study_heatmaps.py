@@ -23,7 +23,7 @@ def test_adaptation_gives_a_row_a_bias_a_picture_and_what_repeats_it(heatmap_mod
     assert found["aims"][4]["found"] == biases[2]["ratio_then"]
     assert row["seed"] == 2 and row["course"] == "flat" and row["before"] > 0.2
     report = Path(found["report"]).read_text()
-    assert f"lfdcore study adaptation -o out --model {heatmap_model} --courses flat --drivers 1 --seed 2" in report
+    assert f"lfdcore study adaptation -o out --model {heatmap_model.name} --courses flat --drivers 1 --seed 2" in report
     assert report.count("data:image/png") == 1 and "&le; 0.7<" in report
     assert (tmp_path / "new" / "adaptation.png").read_bytes()[:4] == b"\x89PNG"
     written = json.loads((tmp_path / "new" / "figures.json").read_text())

@@ -14,6 +14,7 @@ import pytest
 from lfdcore.models import HEATMAPS, PRIMITIVES
 from lfdcore.study import demo
 from lfdcore.study.catalogue import load_study
+from lfdcore.study.compare import compare
 from lfdcore.study.study import as_document, silent
 
 FOLDER = Path(__file__).parent / "figures"
@@ -46,6 +47,7 @@ def rows_of(recorded: dict[str, Any], folder: Path) -> list[dict[str, Any]]:
         study = config(**options)
     document = json.loads(json.dumps(as_document(study, run(study, folder, silent))))
     assert isinstance(document["rows"], list)
+    assert all(list(one.first) == list(one.second) for one in compare(document, document))  # keys tell rows apart
     return [*document["rows"], *({"aim": aim["figure"], "found": aim["found"]} for aim in document["aims"])]
 
 

@@ -5,6 +5,7 @@ from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import pytest
 
 import lfdcore
@@ -108,6 +109,18 @@ def test_aims_are_reached_at_their_bound_and_say_it_once() -> None:
     assert shown == "0.50\nreached\n[0.40, 0.60]\nn 7"
 
 
+def test_numpy_values_and_what_is_not_finite_become_json_at_any_depth() -> None:
+    rows: list[dict[str, object]] = [{"n": np.int64(3), "each": np.array([1.0, NAN]), "deep": ({"x": [NAN]},)}]
+    said = as_document(Example(), found(rows))["rows"]
+    assert json.loads(json.dumps(said, allow_nan=False)) == [{"n": 3, "each": [1.0, None], "deep": [{"x": [None]}]}]
+
+
+@pytest.mark.parametrize("people", [3.5, True, "3", 0, 10])
+def test_a_count_that_is_none_is_refused(people: object) -> None:
+    with pytest.raises(ValueError, match="people is"):
+        Example(people=people)  # type: ignore[arg-type]
+
+
 # -- compare --------------------------------------------------------------------------------------------------------
 
 
@@ -148,10 +161,29 @@ def test_without_seeds_nothing_is_paired() -> None:
     assert (found.paired, found.difference[0]) == (False, 1.0)
 
 
+def test_what_has_no_seed_is_never_paired_by_its_place() -> None:
+    rows = [{"arm": "a", "seed": 1, "time": 1.0}, {"arm": "b", "error": 1.0}, {"arm": "c", "error": 2.0}]
+    first, second = (as_document(Example(), found(which)) for which in (rows, [rows[0], rows[2], rows[1]]))
+    assert all(list(one.first) == list(one.second) for one in compare(first, second))
+    assert [one.paired for one in compare(first, second)] == [True, False, False]
+
+
+def test_rows_that_the_keys_do_not_tell_apart_are_refused() -> None:
+    twice = document({1: 1.0})
+    twice["rows"] *= 2  # type: ignore[operator]
+    with pytest.raises(ValueError, match="two rows of study example are about"):
+        compare(twice, twice)
+
+
+def test_a_small_change_is_not_written_as_none() -> None:
+    table = comparison_table(document({1: 0.12341, 2: 0.2}), document({1: 0.12342, 2: 0.2}))
+    assert table.rows[0][3].startswith("0.00000500\n[")
+
+
 def test_the_table_shows_what_differs_and_counts_what_does_not() -> None:
     first, second = document({1: 1.0, 2: 2.0}), document({1: 1.0, 2: 2.5})
     table = comparison_table(first, second)
-    assert [row[0] for row in table.rows] == ["a\ntime"]
+    assert [(row[0], row[4]) for row in table.rows] == [("a\ntime", "2")]
     assert "1 of 1 figures are equal" in comparison_table(first, first).note
 
 
@@ -163,6 +195,12 @@ def test_what_cannot_be_compared_is_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "figures.json").write_text("[1, 2]")
     with pytest.raises(lfdcore.errors.DataError, match="holds no figures of a study"):
         read_document(tmp_path)
+    for rows in ("[1]", '[{"arm": [1]}]'):
+        (tmp_path / "figures.json").write_text(
+            '{"study": "x", "command": "", "lfdcore": "", "keys": ["arm"], "rows": ' + rows + "}"
+        )
+        with pytest.raises(lfdcore.errors.DataError, match="row 0 is no row of figures"):
+            read_document(tmp_path)
     (tmp_path / "figures.json").write_text("{")
     with pytest.raises(lfdcore.errors.DataError, match="holds no JSON"):
         read_document(tmp_path / "report.html")

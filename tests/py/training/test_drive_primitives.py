@@ -1,8 +1,6 @@
 """What `learn_drive` gives serves every command: above all, it says what its demonstrations' stick meant."""
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +10,6 @@ from lfdcore.study.prediction.study import predict_log
 from lfdcore.training.drive_primitives import learn_drive
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.stick import StickMeaning, full_deflection_of, with_stick
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "wheelchair"))
 from synthetic_drive import corner_drive
 
 

@@ -1,5 +1,6 @@
 """One loop drives any chair: it owns the stamps, records what a chair records, and always stops the chair."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,27 @@ def test_the_loop_records_what_a_chair_records(tmp_path: Path) -> None:
     for stamps in (drive_log.scan_stamp, drive_log.odometry_stamp, drive_log.joystick_stamp, drive_log.command_stamp):
         np.testing.assert_allclose(stamps, [0.0, 0.1, 0.2])
     np.testing.assert_allclose(drive_log.joystick, [[0.5, 0.0]] * 3)
+
+
+def test_a_scan_that_several_ticks_see_is_recorded_once(tmp_path: Path) -> None:
+    class SlowScanner(Wheels):
+        def observe(self, stamp: float) -> Observation:
+            return replace(super().observe(stamp), scan_stamp=0.2 if stamp >= 0.2 else 0.0)
+
+    with DriveLogWriter(tmp_path / "drive.mcap", T_base_laser=Pose2(0.5, 0, 0)) as log:
+        drive(SlowScanner(), Unassisted(), ticks(4), clock=SimulatedClock(), log=log)
+    np.testing.assert_allclose(open_log(tmp_path / "drive.mcap").scan_stamp, [0.0, 0.2])
+
+
+def test_the_chair_is_stopped_when_the_assistant_cannot_begin() -> None:
+    class Unready(Unassisted):
+        def reset(self) -> None:
+            raise RuntimeError("unready")
+
+    chair = Wheels()
+    with pytest.raises(RuntimeError, match="unready"):
+        drive(chair, Unready(), ticks(1), clock=SimulatedClock())
+    assert chair.calls == [("stop", 0.0)]
 
 
 @pytest.mark.parametrize("period", [0.0, -0.1, float("nan"), float("inf")])

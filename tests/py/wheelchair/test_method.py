@@ -1,13 +1,13 @@
 """A model says how it plans and what it predicts: who asks need not know which methods there are."""
 
 import ast
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lfdcore
+from heatmap_drives import corridor_log
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan
@@ -18,9 +18,6 @@ from lfdcore.wheelchair.heatmaps.sensor import NaiveHeatmap
 from lfdcore.wheelchair.method import MethodModel
 from lfdcore.wheelchair.models import DRIVING, MODELS, load_model
 from lfdcore.wheelchair.observation import ChairGeometry
-
-sys.path.insert(0, str(Path(__file__).parent))
-from heatmap_drives import corridor_log
 
 WHEELCHAIR = Path(lfdcore.__file__).parent / "wheelchair"
 METHODS = [model.method for model in MODELS]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.adaptation.pictures import BIN, adaptation_figure
 from lfdcore.study.adaptation.study import (
     STAGES,
@@ -23,7 +24,7 @@ from lfdcore.study.report.cells import mean_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import block_bootstrap_ratio
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 TITLE = "On-line adaptation to a driver with a steering bias (Sec. 6.2.1)"
 WANTED_BIASED, WANTED_UNBIASED = 0.7, 1.05
@@ -151,6 +152,6 @@ def findings(runs: Sequence[AdaptationRun]) -> Findings:
     )
 
 
-def run(study: AdaptationStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: AdaptationStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study adaptation."""
     return findings(run_adaptation_study(study, folder, tell))

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.geometry import wrap_angle
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import AbleConfig, able_population
@@ -26,7 +27,7 @@ from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import courses_by_name
 from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Study, silent
+from lfdcore.study.study import Option, Study, silent
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
@@ -115,7 +116,9 @@ class AdaptationStudy(Study):
     run: RunConfig = field(default_factory=RunConfig)
 
 
-def run_adaptation_study(study: AdaptationStudy, folder: Path, tell: Progress = silent) -> tuple[AdaptationRun, ...]:
+def run_adaptation_study(
+    study: AdaptationStudy, folder: Path, tell: StageProgress = silent
+) -> tuple[AdaptationRun, ...]:
     """Driver k of the able population drives every course with every bias and seed `seed` + k -> one run a course, bias
     and driver, in that order. A model that is not given is learned in `folder`.
 

@@ -10,13 +10,14 @@ import numpy as np
 
 from lfdcore.pictures.course import arm_name, course_figure
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.backwards.study import AROUND, BackwardsStudy, backwards_course, run_backwards_study
 from lfdcore.study.driving.metrics import driving_metrics
 from lfdcore.study.report.cells import count_cell, mean_cell, share_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 TITLE = f"Backwards through the hall, {AROUND.beams} beams over 360 degrees (Sec. 6.2.1)"
 
@@ -142,6 +143,6 @@ def findings(traces: Sequence[DriveTrace]) -> Findings:
     )
 
 
-def run(study: BackwardsStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: BackwardsStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study backwards."""
     return findings(run_backwards_study(study, folder, tell))

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import Course, hall
 from lfdcore.simulated.drivers import AbleConfig, Driver, ImpairedConfig, able_population, population
 from lfdcore.simulated.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
@@ -18,7 +19,7 @@ from lfdcore.simulation import LidarConfig
 from lfdcore.study.arms import StudyModels, make_assistant, require_known
 from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Study, silent
+from lfdcore.study.study import Option, Study, silent
 from lfdcore.wheelchair.assistants import Assistant
 from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant
 
@@ -53,7 +54,7 @@ def backwards_course() -> Course:
     return facing_back(hall())
 
 
-def run_backwards_study(study: BackwardsStudy, folder: Path, tell: Progress = silent) -> tuple[DriveTrace, ...]:
+def run_backwards_study(study: BackwardsStudy, folder: Path, tell: StageProgress = silent) -> tuple[DriveTrace, ...]:
     """Driver k of each population drives the hall backwards in every arm with seed `seed` + k -> one run a kind of
     driver, arm and driver, in that order. A model that an arm needs and that is not given is learned in `folder`.
 
@@ -69,7 +70,7 @@ def run_backwards_study(study: BackwardsStudy, folder: Path, tell: Progress = si
     return run_jobs(jobs, partial(tell, "drive backwards"), study.processes)
 
 
-def _model(study: BackwardsStudy, folder: Path, tell: Progress) -> Path | None:
+def _model(study: BackwardsStudy, folder: Path, tell: StageProgress) -> Path | None:
     if study.model is None and "two_way" not in study.arms:
         return None
     return heatmaps_or_learned(study.model, folder, study.seed, tell, study.processes)

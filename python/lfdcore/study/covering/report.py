@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.covering import covering_data, write_demonstrations
 from lfdcore.study.covering.pictures import (
     dials_figure,
@@ -28,7 +29,7 @@ from lfdcore.study.covering.tables import (
     shares_table,
 )
 from lfdcore.study.report.page import Section
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 SYNTHETIC = (
     "Everything here is simulated: people, gloves, demonstrator and objects come from a generator (its formulas stand"
@@ -143,12 +144,23 @@ def findings(result: CoveringResult) -> Findings:
         headline=covering_headline(result),
         sections=covering_sections(result),
         rows=figure_rows(result),
-        keys=("seed", "protocol", "form", "method", "covered_object", "novel", "person", "partner"),
+        keys=(
+            "protocol",
+            "form",
+            "method",
+            "covered_object",
+            "novel",
+            "person",
+            "partner",
+            "informative",
+            "personal",
+            "seed",
+        ),
         aims=aims(result),
     )
 
 
-def run(study: CoveringStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: CoveringStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study covering."""
     write_demonstrations(folder / "demonstrations", covering_data(seed=study.seed, held_out=1))
     return findings(run_covering_study(study, tell))

@@ -21,6 +21,7 @@ from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
 from lfdcore.humanoid.covering import CoveringVerdict, covering_verdict
 from lfdcore.humanoid.scene import Box, box_of
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     GROUND_TRUTH,
@@ -34,7 +35,7 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -183,7 +184,7 @@ class CoveringResult:
         return [run for run in self.runs if run.protocol == protocol]
 
 
-def run_covering_study(study: CoveringStudy, tell: Progress = silent) -> CoveringResult:
+def run_covering_study(study: CoveringStudy, tell: StageProgress = silent) -> CoveringResult:
     """Learns and judges over processes; the same study gives the same result whatever their number."""
     longest_first = reversed(study.protocols)
     runs = [_Job(study, seed, protocol) for protocol in longest_first for seed in study.all_seeds]

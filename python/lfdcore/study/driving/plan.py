@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import Any
 
+from lfdcore.progress import Progress
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import population
 from lfdcore.simulated.run import Job, RunConfig
@@ -82,7 +83,7 @@ class DrivingResult:
 
 def run_driving_plan(
     plan: DrivingPlan,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     processes: int | None = None,
 ) -> DrivingResult:
     """Runs a plan over processes; its result does not depend on their number."""

@@ -11,6 +11,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.pictures.course import course_figure, demonstrations_figure
 from lfdcore.pictures.path_stages import stage_figures
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import Course, training_courses
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.driving.aims import (
@@ -23,15 +24,15 @@ from lfdcore.study.driving.plan import DrivingResult
 from lfdcore.study.driving.study import DrivingStudy, WholeResult, run_driving_study
 from lfdcore.study.driving.tables import (
     REAL_COURSE,
-    _driving_table,
-    _framework_table,
     course_labels,
+    driving_table,
+    framework_table,
 )
 from lfdcore.study.driving.task_tables import task_tables
 from lfdcore.study.driving.tasks import TASK_GOALS, TASK_NAMES, TaskResult
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.table import Table
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 
 INTRODUCTION = (
@@ -116,9 +117,9 @@ def stage_section(model: DriveAssistantModel, logs: Sequence[DriveLog]) -> Secti
 
 def driving_tables(result: DrivingResult) -> list[Table]:
     """Figures to reach, Tables 3.1 and 4.1 (one a course) and 3.3."""
-    tables = [_driving_table(result, name, label) for name, label in course_labels(result.plan.courses).items()]
+    tables = [driving_table(result, name, label) for name, label in course_labels(result.plan.courses).items()]
     aims = [aims_table(result, arm) for arm in MOST_JERK]
-    return [t for t in (*aims, *tables, _framework_table(result)) if t is not None]
+    return [t for t in (*aims, *tables, framework_table(result)) if t is not None]
 
 
 def findings(result: WholeResult) -> Findings:
@@ -136,12 +137,12 @@ def findings(result: WholeResult) -> Findings:
         headline=headline(driven),
         sections=sections,
         rows=[*driven.rows, *(() if tasks is None else tasks.rows)],
-        keys=("course", "task", "assistant", "driver", "seed"),
+        keys=("course", "task", "assistant", "seed"),
         aims=all_aims(driven),
     )
 
 
-def run(study: DrivingStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: DrivingStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study driving."""
     result = run_driving_study(study, folder, tell)
     tell("report", 0, 1)

@@ -7,11 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
+from lfdcore.progress import StageProgress
 from lfdcore.study.arms import ARMS, METHODS, StudyModels, courses_by_name, models_by_method, require_arms
 from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
 from lfdcore.study.driving.plan import DrivingPlan, DrivingResult, run_driving_plan
 from lfdcore.study.driving.tasks import TaskPlan, TaskResult, run_task_plan
-from lfdcore.study.study import Option, Progress, Study, silent, under
+from lfdcore.study.study import Option, Study, silent, under
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,7 @@ class WholeResult:
     """logs that the study's primitives learned from; none for a model that was given"""
 
 
-def run_driving_study(study: DrivingStudy, folder: Path, tell: Progress = silent) -> WholeResult:
+def run_driving_study(study: DrivingStudy, folder: Path, tell: StageProgress = silent) -> WholeResult:
     """Learns what the assistants need and was not given, into `folder`, and drives courses and tasks.
 
     ValueError before anything is driven for a course or a model that cannot be used.
@@ -67,14 +68,15 @@ def run_driving_study(study: DrivingStudy, folder: Path, tell: Progress = silent
     return WholeResult(driven, tasks, demonstrations)
 
 
-def _learn_what_is_missing(study: DrivingStudy, folder: Path, given: StudyModels, tell: Progress) -> StudyModels:
+def _learn_what_is_missing(study: DrivingStudy, folder: Path, given: StudyModels, tell: StageProgress) -> StudyModels:
     """The models that the assistants need, learned from demonstrations where none was given."""
     needed = {METHODS[arm] for arm in study.assistants if arm in METHODS}
-    primitives, heatmaps = given.file("primitives"), given.file("heatmaps")
-    if primitives is None and "primitives" in needed:
-        primitives = learn_from_demonstrations(folder, study.seed, progress=partial(tell, "learn primitives"))
-    if heatmaps is None and "heatmaps" in needed:
-        heatmaps = learn_heatmaps_from_demonstrations(
-            folder, study.seed, under(tell, "heatmaps"), processes=study.processes
-        )
-    return StudyModels(primitives=primitives, heatmaps=heatmaps)
+    models = given
+    if "primitives" in needed and given.file("primitives") is None:
+        learned = learn_from_demonstrations(folder, study.seed, progress=partial(tell, "learn primitives"))
+        models = models.and_file("primitives", learned)
+    if "heatmaps" in needed and given.file("heatmaps") is None:
+        at = under(tell, "heatmaps")
+        learned = learn_heatmaps_from_demonstrations(folder, study.seed, at, processes=study.processes)
+        models = models.and_file("heatmaps", learned)
+    return models

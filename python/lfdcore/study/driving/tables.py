@@ -174,7 +174,7 @@ def _thesis_columns(arms: Sequence[str], real: bool) -> list[_Thesis]:
     return [_PRIMITIVES, _HEATMAPS] if "heatmaps" in arms else [_PRIMITIVES]
 
 
-def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
+def driving_table(result: DrivingResult, course: str, label: str) -> Table:
     arms, study = result.plan.arms, result.plan
     done = [completed_runs(result, course, arm) for arm in arms]
     hits = [result.column(course, arm, "collisions") for arm in arms]
@@ -203,7 +203,7 @@ def _driving_table(result: DrivingResult, course: str, label: str) -> Table:
     )
 
 
-def _framework_table(result: DrivingResult) -> Table | None:
+def framework_table(result: DrivingResult) -> Table | None:
     arms = [arm for arm in result.plan.arms if any("path_rmse" in r for r in result.rows if r["assistant"] == arm)]
     if not arms:
         return None

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from lfdcore.geometry import Pose2
+from lfdcore.progress import Progress
 from lfdcore.simulated.courses import Course, Task, doorway_and_docking, narrow_gap
 from lfdcore.simulated.courses.tasks import DOCKING_DISTANCE
 from lfdcore.simulated.drivers import ImpairedConfig, population
@@ -97,9 +98,7 @@ def task_row(name: str, task: Task, trace: DriveTrace) -> dict[str, Any]:
     }
 
 
-def run_task_plan(
-    plan: TaskPlan, progress: Callable[[int, int], None] | None = None, processes: int | None = None
-) -> TaskResult:
+def run_task_plan(plan: TaskPlan, progress: Progress | None = None, processes: int | None = None) -> TaskResult:
     """Runs all tasks over processes; the result does not depend on their number."""
     drivers = population(plan.starts, plan.seed)
     runs = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets import DriveLog, open_log
 from lfdcore.geometry import wrap_angle
+from lfdcore.progress import Progress
 from lfdcore.simulated.courses import Course, GoalWorld, goal_building
 from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, able_population
 from lfdcore.simulated.run import Job, RunConfig
@@ -85,7 +86,7 @@ def record_goal_drives(
     seed: int = SEED,
     config: RunConfig | None = None,
     processes: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> GoalDrives:
     """Six able drivers, unassisted, once each to every destination of a world (default: the building of Ch. 2).
 

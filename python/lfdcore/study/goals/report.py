@@ -7,12 +7,13 @@ from pathlib import Path
 from lfdcore.pictures.belief import belief_figure, confusion_figure, likelihood_figure
 from lfdcore.pictures.goals import plot_goal_drives
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.goals.evaluation import BASELINES, confusion, drives_of
 from lfdcore.study.goals.study import GoalResult, GoalStudy, run_goal_study
 from lfdcore.study.goals.tables import aims, goal_tables
 from lfdcore.study.report.cells import in_a_line, percent_cell
 from lfdcore.study.report.page import Section
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 MODEL = "goals.safetensors"
 TEXT = (
@@ -102,7 +103,7 @@ def findings(result: GoalResult) -> Findings:
     )
 
 
-def run(study: GoalStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: GoalStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study goals. The drives and the learned model go into `folder` too."""
     result = run_goal_study(study, folder, tell)
     result.model.save(folder / MODEL)

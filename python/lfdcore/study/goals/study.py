@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import Pose2, wrap_angle
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import GoalWorld, goal_building, goals_in_map
 from lfdcore.study.goals.drives import SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.evaluation import (
@@ -23,7 +24,7 @@ from lfdcore.study.goals.evaluation import (
     confidence_time,
 )
 from lfdcore.study.preset import Preset
-from lfdcore.study.study import Option, Progress, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study, silent
 from lfdcore.training.goals import (
     GoalLearningConfig,
     KernelLikelihood,
@@ -127,7 +128,7 @@ class GoalResult:
         return self.model.goals.positions[self.held_out.goal]
 
 
-def run_goal_study(study: GoalStudy, folder: Path, tell: Progress = silent) -> GoalResult:
+def run_goal_study(study: GoalStudy, folder: Path, tell: StageProgress = silent) -> GoalResult:
     """Drives, with logs in `folder`, learns, judges. ValueError as goals_in_map and learn_goals; needs torch."""
     world = study.world()
     drives = record_goal_drives(folder, world, study.seed, processes=study.processes, progress=partial(tell, "drive"))
@@ -136,7 +137,7 @@ def run_goal_study(study: GoalStudy, folder: Path, tell: Progress = silent) -> G
 
 
 def judge_goal_drives(
-    study: GoalStudy, drives: GoalDrives, trials: GoalDrives, learning: GoalLearningConfig, tell: Progress = silent
+    study: GoalStudy, drives: GoalDrives, trials: GoalDrives, learning: GoalLearningConfig, tell: StageProgress = silent
 ) -> GoalResult:
     """Learns from recorded drives and judges on those held out; trials: drives of others, for Table 2.1."""
     goals = drives.world.goals
@@ -163,7 +164,7 @@ def judge_goal_drives(
     )
 
 
-def action_models(model: GoalModel, full: bool, tell: Progress) -> dict[str, ActionModel]:
+def action_models(model: GoalModel, full: bool, tell: StageProgress) -> dict[str, ActionModel]:
     """'sparse' and, if asked for, 'full'."""
     names: tuple[str, ...] = ("sparse", "full") if full else ("sparse",)
     found = {}
@@ -175,7 +176,7 @@ def action_models(model: GoalModel, full: bool, tell: Progress) -> dict[str, Act
 
 
 def _tracks(
-    model: GoalModel, models: dict[str, ActionModel], held_out: GoalSamples, tell: Progress
+    model: GoalModel, models: dict[str, ActionModel], held_out: GoalSamples, tell: StageProgress
 ) -> dict[str, BeliefTrack]:
     without = replace(model, config=replace(model.config, process_noise=0.0))
     tracks = {}
@@ -194,7 +195,7 @@ def _accuracies(
     return tuple(accuracy(name, goals, held_out) for name, goals in said.items())
 
 
-def _record_trials(study: GoalStudy, world: GoalWorld, folder: Path, tell: Progress) -> GoalDrives:
+def _record_trials(study: GoalStudy, world: GoalWorld, folder: Path, tell: StageProgress) -> GoalDrives:
     folder.mkdir(exist_ok=True)
     return record_goal_drives(
         folder, world, study.seed + TRIAL_SEED, processes=study.processes, progress=partial(tell, "drive with noise")
@@ -218,7 +219,7 @@ def _noise_trials(study: GoalStudy, drives: GoalDrives, model: GoalModel) -> tup
     return tuple(sorted(trials, key=lambda trial: (trial.goal, trial.noise, trial.driver)))
 
 
-def _pose_errors(model: GoalModel, sparse: ActionModel, held_out: GoalSamples, tell: Progress) -> list[PoseError]:
+def _pose_errors(model: GoalModel, sparse: ActionModel, held_out: GoalSamples, tell: StageProgress) -> list[PoseError]:
     found = []
     for k, (metres, degrees) in enumerate(POSE_ERRORS):
         tell("poses that are off", k, len(POSE_ERRORS))
@@ -234,7 +235,7 @@ def _pose_errors(model: GoalModel, sparse: ActionModel, held_out: GoalSamples, t
     return found
 
 
-def _localised(drives: GoalDrives, tell: Progress) -> tuple[Floats, list[GoalSamples]]:
+def _localised(drives: GoalDrives, tell: StageProgress) -> tuple[Floats, list[GoalSamples]]:
     """The held-out drives as if their poses in the map were not known -> errors (M, 2), samples with matched poses."""
     errors, samples = [], []
     logs = drives.logs(drives.held_out)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.handovers.pictures import error_figure
 from lfdcore.study.handovers.study import (
     LIKELIEST,
@@ -21,7 +22,7 @@ from lfdcore.study.handovers.study import (
 )
 from lfdcore.study.handovers.tables import handover_rows, intervals, seen_tables, task_tables
 from lfdcore.study.report.page import Section
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 TEXT = (
     "People hand something to each other; the giver is the partner, the taker's hand stands for the robot's. Of each "
@@ -100,6 +101,6 @@ def findings(result: HandoverResult) -> Findings:
     )
 
 
-def run(study: HandoverStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: HandoverStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study handovers."""
     return findings(run_handover_study(study, tell))

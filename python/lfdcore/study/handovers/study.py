@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
+from lfdcore.progress import StageProgress
 from lfdcore.study.handovers.tasks import HandoverTask, hand_columns, handover_tasks, position_columns
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Study, silent
+from lfdcore.study.study import Option, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Array = NDArray[np.float64]
@@ -257,7 +258,9 @@ def _factor(model: CollaborationModel) -> float:
     return float(NOISE.factors[int(np.argmin([error for _, error in rows]))])
 
 
-def judge_handovers(study: HandoverStudy, tasks: Sequence[HandoverTask], tell: Progress = silent) -> HandoverResult:
+def judge_handovers(
+    study: HandoverStudy, tasks: Sequence[HandoverTask], tell: StageProgress = silent
+) -> HandoverResult:
     """Judges every task; the result does not depend on the number of processes."""
     judged = []
     for task in tasks:
@@ -266,6 +269,6 @@ def judge_handovers(study: HandoverStudy, tasks: Sequence[HandoverTask], tell: P
     return HandoverResult(study, tuple(judged))
 
 
-def run_handover_study(study: HandoverStudy, tell: Progress = silent) -> HandoverResult:
+def run_handover_study(study: HandoverStudy, tell: StageProgress = silent) -> HandoverResult:
     """Reads the files and judges. DataError as handover_tasks."""
     return judge_handovers(study, handover_tasks(study.data), tell)

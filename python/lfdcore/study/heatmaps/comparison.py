@@ -11,7 +11,7 @@ puts the frames together in the frame of the odometry.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
@@ -26,7 +26,7 @@ from lfdcore.datasets.motion import way_ahead
 from lfdcore.geometry import arc_length
 from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.planning import DppSolver, GridMdp, QLearningSolver
-from lfdcore.study.demonstrations import StageProgress
+from lfdcore.progress import Progress, StageProgress
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
@@ -51,7 +51,6 @@ REACH = WINDOW
 STEP = 0.05
 """[m] between the points at which paths are compared and rewards are read"""
 _UNCHECKED = DrivablePathConfig(check_footprint=False)
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)

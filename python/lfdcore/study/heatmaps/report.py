@@ -13,8 +13,9 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.grid import OccupancyGrid
 from lfdcore.pictures.heatmap_stages import heatmap_figures
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import home_20x19
-from lfdcore.study.demonstrations import RecordedDrives, StageProgress, drive_to_destinations
+from lfdcore.study.demonstrations import RecordedDrives, drive_to_destinations
 from lfdcore.study.heatmaps.calibration import REACH, CalibrationCheck, check_calibration, judged_cells
 from lfdcore.study.heatmaps.comparison import METHODS, Comparison, ModelFiles, compare_on_logs
 from lfdcore.study.heatmaps.pictures import (
@@ -25,6 +26,7 @@ from lfdcore.study.heatmaps.pictures import (
     median_runs,
     reliability_figure,
 )
+from lfdcore.study.report.cells import p_cell, summary_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import paired_test, summarise, summarise_bounded
 from lfdcore.study.report.table import Row, Table
@@ -55,18 +57,9 @@ _DEFINITIONS = (
 )
 
 
-def _p(p: float) -> str:
-    return "-" if np.isnan(p) else "<0.001" if p < 0.001 else f"{p:.3f}"
-
-
 def _cell(values: np.ndarray, digits: int, thesis: str = "-", bounded: bool = False) -> str:
-    s = summarise_bounded(values) if bounded else summarise(values)
-    if s.n == 0:
-        return "-"
-    lines = [f"{s.mean:.{digits}f}" if s.n == 1 else f"{s.mean:.{digits}f}+-{s.sd:.{digits}f}"]
-    if s.n > 1:
-        lines.append(f"[{s.low:.{digits}f}, {s.high:.{digits}f}]" + (f" n {s.n}" if s.missing else ""))
-    return "\n".join(lines if thesis == "-" else [*lines, f"thesis {thesis}"])
+    cell = summary_cell(summarise_bounded(values) if bounded else summarise(values), digits)
+    return cell if thesis == "-" else f"{cell}\nthesis {thesis}"
 
 
 def comparison_table(comparison: Comparison, seed: int | None) -> Table:
@@ -78,7 +71,7 @@ def comparison_table(comparison: Comparison, seed: int | None) -> Table:
         cells = (
             _cell(column, digits, said, figure == "without_path") for column, said in zip(columns, thesis, strict=True)
         )
-        rows.append((label, *cells, *(_p(paired_test(columns[-1], other).p) for other in columns[:-1])))
+        rows.append((label, *cells, *(p_cell(paired_test(columns[-1], other).p) for other in columns[:-1])))
     seconds = [comparison.column(method, "seconds") for method in METHODS]
     times = (_cell(own / seconds[-1], 1) for own in seconds[:-1])
     last = f"1\n{1e3 * float(np.median(seconds[-1])):.1f} ms here"

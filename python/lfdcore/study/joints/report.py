@@ -11,6 +11,7 @@ import numpy as np
 
 from lfdcore.humanoid.baxter import ARM_PARTS
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.joints.pictures import joint_space_figure
 from lfdcore.study.joints.study import (
     FOLLOWED,
@@ -27,7 +28,7 @@ from lfdcore.study.report.cells import figure_cell, p_cell, summary_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import PairedTest, paired_test, summarise, summarise_bounded
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 KINDS = {"known objects": False, "novel objects": True}
 
@@ -253,6 +254,6 @@ def _picture(run: JointSpaceRun) -> Picture:
     return Picture(joint_space_figure(run), caption)
 
 
-def run(study: JointSpaceStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: JointSpaceStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study joints."""
     return findings(run_joint_space_study(study, tell))

@@ -25,6 +25,7 @@ from lfdcore.humanoid.collaboration import CollaborationInference, Collaboration
 from lfdcore.humanoid.covering import covering_verdict
 from lfdcore.humanoid.scene import Box, box_of
 from lfdcore.kinematics import FollowConfig, KinematicChain, RobotModel
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     PERIOD,
@@ -36,7 +37,7 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study, silent
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -163,7 +164,7 @@ class JointSpaceResult:
         return [trial for run in self.runs for trial in run.trials]
 
 
-def run_joint_space_study(study: JointSpaceStudy, tell: Progress = silent) -> JointSpaceResult:
+def run_joint_space_study(study: JointSpaceStudy, tell: StageProgress = silent) -> JointSpaceResult:
     """Every seed of `study` twice, over processes."""
     seeds = range(study.seed, study.seed + study.seeds)
     counts = (study.protocol.demonstrations, study.few)

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import home_20x19
 from lfdcore.simulated.drivers import population
 from lfdcore.simulated.run import Job
@@ -16,13 +17,13 @@ from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.learning_curve.models import model_files
 from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
-from lfdcore.study.study import Progress, silent
+from lfdcore.study.study import silent
 
 _SEEDS, _FIRST_WAY = 1000, 600
 """Way and noise of driver k are of seed 1000 `seed` + 600 + k, which no demonstration and no other run has."""
 
 
-def closed_loop_rows(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> list[dict[str, Any]]:
+def closed_loop_rows(study: LearningCurveStudy, folder: Path, tell: StageProgress = silent) -> list[dict[str, Any]]:
     """Drives with models that have been learned -> a row a run: demonstrations (0: unassisted), and what metric_rows
     has."""
     groups = [(0, NOBODY, StudyModels())]

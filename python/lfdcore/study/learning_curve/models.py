@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lfdcore.datasets import DriveLog, open_log
+from lfdcore.progress import StageProgress
 from lfdcore.study.arms import StudyModels
 from lfdcore.study.demonstrations import demonstrate_in_mazes
 from lfdcore.study.learning_curve.study import METHODS, LearningCurveStudy
-from lfdcore.study.study import Progress, silent
+from lfdcore.study.study import silent
 from lfdcore.training.drive_primitives import first_share, learn_drive
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def model_files(study: LearningCurveStudy, folder: Path, runs: int) -> StudyMode
     )
 
 
-def learn_curve_models(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> None:
+def learn_curve_models(study: LearningCurveStudy, folder: Path, tell: StageProgress = silent) -> None:
     """Both models of each number of runs, where there are none yet. Needs torch then."""
     models = models_folder(study, folder)
     models.mkdir(parents=True, exist_ok=True)
@@ -57,7 +58,7 @@ def _path(models: StudyModels, method: str) -> Path:
     return path
 
 
-def _learn(study: LearningCurveStudy, logs: Sequence[DriveLog], files: StudyModels, tell: Progress) -> None:
+def _learn(study: LearningCurveStudy, logs: Sequence[DriveLog], files: StudyModels, tell: StageProgress) -> None:
     from lfdcore.training.drive_heatmaps import learn_heatmaps
 
     if not _path(files, "primitives").exists():

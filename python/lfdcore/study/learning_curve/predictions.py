@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from lfdcore.datasets import DriveLog, open_log
+from lfdcore.progress import StageProgress
 from lfdcore.study.demonstrations import drive_to_destinations
 from lfdcore.study.learning_curve.models import model_files, models_folder
 from lfdcore.study.learning_curve.study import METHODS, LearningCurveStudy
@@ -26,7 +27,7 @@ from lfdcore.study.prediction.path_error import (
     straight,
 )
 from lfdcore.study.prediction.study import ARC_ON, STRAIGHT, predicted_paths
-from lfdcore.study.study import Progress, silent
+from lfdcore.study.study import silent
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.prediction import ProductPredictor
 from lfdcore.wheelchair.method import Predictor
@@ -39,7 +40,7 @@ BASELINES: dict[str, PredictAll] = {
 }
 
 
-def prediction_rows(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> list[dict[str, Any]]:
+def prediction_rows(study: LearningCurveStudy, folder: Path, tell: StageProgress = silent) -> list[dict[str, Any]]:
     """Drives unassisted and predicts with models that have been learned -> a row a log and model (or baseline: of 0
     demonstrations): demonstrations, method, log, samples, error [m]."""
     judged = _driven(study, folder, tell)
@@ -52,7 +53,7 @@ def prediction_rows(study: LearningCurveStudy, folder: Path, tell: Progress = si
     return rows
 
 
-def _driven(study: LearningCurveStudy, folder: Path, tell: Progress) -> list[tuple[DriveLog, PathSamples]]:
+def _driven(study: LearningCurveStudy, folder: Path, tell: StageProgress) -> list[tuple[DriveLog, PathSamples]]:
     """Logs with samples to be judged."""
     drives = drive_to_destinations(
         models_folder(study, folder),

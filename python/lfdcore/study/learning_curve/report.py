@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.learning_curve.closed_loop import closed_loop_rows
 from lfdcore.study.learning_curve.curve import CurvePoint, LearningCurve
 from lfdcore.study.learning_curve.models import learn_curve_models
@@ -17,7 +18,7 @@ from lfdcore.study.report.cells import count_cell, share_cell, summary_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import Summary
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, Progress, silent
+from lfdcore.study.study import Findings, silent
 
 TITLE = "How much demonstration is enough"
 
@@ -108,11 +109,11 @@ def findings(curve: LearningCurve) -> Findings:
         headline=curve_headline(curve),
         sections=[Section(TITLE, text, [curve_table(curve)], [picture])],
         rows=[*curve.rows, *curve.errors],
-        keys=("demonstrations", "assistant", "method", "seed"),
+        keys=("demonstrations", "assistant", "method", "log", "seed"),
     )
 
 
-def run_learning_curve(study: LearningCurveStudy, folder: Path, tell: Progress = silent) -> LearningCurve:
+def run_learning_curve(study: LearningCurveStudy, folder: Path, tell: StageProgress = silent) -> LearningCurve:
     """Learns what is not in `folder` yet (needs torch), drives and predicts; the result does not depend on the number
     of processes."""
     learn_curve_models(study, folder, tell)
@@ -120,6 +121,6 @@ def run_learning_curve(study: LearningCurveStudy, folder: Path, tell: Progress =
     return LearningCurve(study, tuple(rows), tuple(prediction_rows(study, folder, tell)))
 
 
-def run(study: LearningCurveStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: LearningCurveStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study learning-curve. Models and logs stay in `folder`."""
     return findings(run_learning_curve(study, folder, tell))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.passing import NOVEL, TRAINING
 from lfdcore.study.passing.pictures import demonstrations_figure, distance_figure, observations_figure
 from lfdcore.study.passing.study import (
@@ -27,7 +28,7 @@ from lfdcore.study.report.cells import mean_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import block_bootstrap_ratio, summarise, summarise_bounded
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 Floats = NDArray[np.float64]
 TITLE = "Passing over a rectangle (Sec. 5.5)"
@@ -321,7 +322,7 @@ def findings(result: PassingResult, example: PassingExample) -> Findings:
     )
 
 
-def run(study: PassingStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: PassingStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study passing."""
     result = run_passing_study(study, tell)
     return findings(result, PassingExample.of(study))

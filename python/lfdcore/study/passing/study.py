@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
 from lfdcore.primitives import InteractionPosterior
+from lfdcore.progress import StageProgress
 from lfdcore.simulated.passing import (
     DEMONSTRATIONS,
     NOVEL,
@@ -32,7 +33,7 @@ from lfdcore.simulated.passing import (
     passing_verdict,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Progress, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study, silent
 from lfdcore.training.collaborations import learn_collaboration
 
 Floats = NDArray[np.float64]
@@ -124,7 +125,7 @@ def _rectangles(group: Group) -> slice:
     return slice(0, len(TRAINING)) if group == "known" else slice(len(TRAINING), None)
 
 
-def run_passing_study(study: PassingStudy, tell: Progress = silent) -> PassingResult:
+def run_passing_study(study: PassingStudy, tell: StageProgress = silent) -> PassingResult:
     """Learns and judges, a seed a job. The same study gives the same result, whatever the number of processes."""
     jobs = [_Job(study, seed) for seed in range(study.seed, study.seed + study.seeds)]
     runs = run_jobs(jobs, partial(tell, "learn and judge, by seed"), study.processes)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.geometry import Pose2, arc_length
+from lfdcore.progress import Progress
 from lfdcore.study.prediction import path_error
 from lfdcore.study.prediction.path_error import ARC, REACH, PathSamples, at_arc_lengths, path_samples
 from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
@@ -29,7 +30,6 @@ from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathP
 from lfdcore.wheelchair.stick import StickMeaning, with_stick
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 STRAIGHT, ARC_ON = "straight", "constant arc"
 BLOCK = 2 * REACH
@@ -214,7 +214,7 @@ def compliant_points(log: DriveLog, samples: PathSamples, paths: Array, judge: J
         return compliant
     look_ahead = judge.look_ahead
     poses, sticks = log.pose_at(log.scan_stamp), log.joystick_at(log.scan_stamp)
-    way = _way(log)
+    way = way_driven(log)
     inputs = np.flatnonzero(np.hypot(*sticks.T) > 0)
     ends = np.searchsorted(way, way[samples.scan] + REACH + look_ahead, side="right")
     points = np.array([Pose2(*poses[i]).transform(path) for i, path in zip(samples.scan, paths, strict=True)])
@@ -230,7 +230,7 @@ def compliant_points(log: DriveLog, samples: PathSamples, paths: Array, judge: J
     return compliant
 
 
-def _way(log: DriveLog) -> Array:
+def way_driven(log: DriveLog) -> Array:
     """(S,) [m] driven up to each scan by odometry"""
     return np.asarray(np.interp(log.scan_stamp, log.odometry_stamp, arc_length(log.pose[:, :2])))
 

@@ -18,7 +18,7 @@ from lfdcore.study.prediction.study import (
     ErrorRow,
     LogPrediction,
     ModelPaths,
-    _way,
+    way_driven,
 )
 from lfdcore.study.report.cells import figure_cell
 from lfdcore.study.report.statistics import (
@@ -51,7 +51,7 @@ def _blocks(predictions: Sequence[LogPrediction]) -> NDArray[np.int_]:
     found: list[NDArray[np.int_]] = []
     first = 0
     for p in predictions:
-        found.append(first + np.floor_divide(_way(p.log)[p.samples.scan], BLOCK).astype(int))
+        found.append(first + np.floor_divide(way_driven(p.log)[p.samples.scan], BLOCK).astype(int))
         first = int(found[-1].max()) + 1
     return np.concatenate(found)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from lfdcore.pictures.style import Picture
+from lfdcore.progress import StageProgress
 from lfdcore.study.report.aims import Aim, aims_table
 from lfdcore.study.report.cells import in_a_line, percent_cell
 from lfdcore.study.report.page import Section
@@ -20,7 +21,7 @@ from lfdcore.study.sequences.study import (
     SequenceStudy,
     run_sequence_study,
 )
-from lfdcore.study.study import Findings, Progress
+from lfdcore.study.study import Findings
 
 TEXT = (
     "Handwriting shapes (Khansari-Zadeh and Billard 2011) stand for tasks. The filter learns from "
@@ -89,6 +90,6 @@ def findings(result: SequenceResult) -> Findings:
     )
 
 
-def run(study: SequenceStudy, folder: Path, tell: Progress) -> Findings:
+def run(study: SequenceStudy, folder: Path, tell: StageProgress) -> Findings:
     """lfdcore study sequences."""
     return findings(run_sequence_study(study, tell))

@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.lasa import Handwriting, read_all_handwriting
 from lfdcore.primitives import SequenceHmm
+from lfdcore.progress import StageProgress
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.report.statistics import block_bootstrap
-from lfdcore.study.study import Option, Progress, Study, silent
+from lfdcore.study.study import Option, Study, silent
 
 Array = NDArray[np.float64]
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
@@ -198,12 +199,12 @@ class SequenceResult:
         return values.mean(axis=0), *block_bootstrap(values, draws, self.study.seed)
 
 
-def ask_in_draws(study: SequenceStudy, shapes: Sequence[Handwriting], tell: Progress = silent) -> SequenceResult:
+def ask_in_draws(study: SequenceStudy, shapes: Sequence[Handwriting], tell: StageProgress = silent) -> SequenceResult:
     """Asks the filter in every draw of these shapes; the result does not depend on the number of processes."""
     draws = run_jobs(draws_of(study, shapes), partial(tell, "draws"), study.processes)
     return SequenceResult(study, len(shapes), draws)
 
 
-def run_sequence_study(study: SequenceStudy, tell: Progress = silent) -> SequenceResult:
+def run_sequence_study(study: SequenceStudy, tell: StageProgress = silent) -> SequenceResult:
     """Reads the shapes and asks. DataError as read_all_handwriting, ValueError as draws_of."""
     return ask_in_draws(study, read_all_handwriting(study.data), tell)

@@ -5,21 +5,19 @@ torch is imported where it trains: a study's config and the processes that searc
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.progress import Progress
 from lfdcore.wheelchair.goals.network import GoalNetwork, network_inputs
 from lfdcore.wheelchair.goals.samples import GoalSamples, Heading
 
 if TYPE_CHECKING:
     import torch
     from torch import nn
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)

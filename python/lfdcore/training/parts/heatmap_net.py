@@ -35,6 +35,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 from torch.nn import functional
 
+from lfdcore.progress import Progress
 from lfdcore.training.parts.heatmap_targets import HeatmapPairs
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, METADATA_KEY, OUTPUT, VERSION, naive_images
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
@@ -141,7 +142,7 @@ def _place() -> Tensor:
 def train_heatmap_net(
     pairs: HeatmapPairs,
     config: HeatmapNetConfig | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     on_epoch: Callable[[EpochLoss], None] | None = None,
     validation: Mask | None = None,
 ) -> TrainedHeatmapNet:
@@ -207,7 +208,7 @@ class _Training:
         net: HeatmapNet,
         pairs: HeatmapPairs,
         config: HeatmapNetConfig,
-        progress: Callable[[int, int], None] | None,
+        progress: Progress | None,
         on_epoch: Callable[[EpochLoss], None] | None,
     ) -> None:
         self.net, self.pairs, self.config = net, pairs, config

@@ -18,7 +18,7 @@ What the thesis leaves open, and what is done here:
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal, Self
@@ -31,6 +31,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, arc_length
 from lfdcore.grid import local_grid
+from lfdcore.progress import Progress
 from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW, free_mask, squashed
 
 Floats = NDArray[np.float64]
@@ -109,7 +110,7 @@ class HeatmapPairs:
 def heatmap_pairs(
     logs: Sequence[DriveLog],
     config: HeatmapTargetConfig | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> HeatmapPairs:
     """Pairs of all logs, in order (about .5 ms a scan). progress(done, total) is called after every log.
 

@@ -9,11 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.progress import Progress
 from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
-
-Progress = Callable[[int, int], None]
 
 
 def leave_drives_out(

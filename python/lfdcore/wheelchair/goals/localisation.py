@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets import DriveLog
 from lfdcore.geometry import Pose2, wrap_angle
 from lfdcore.grid import LaserScan, OccupancyGrid, distance_field, read_beams
+from lfdcore.progress import Progress
 
 Array = NDArray[np.float64]
 Outcome = Literal["tracked", "lost", "blind"]
@@ -317,10 +318,6 @@ def _log_likelihood(distance: NDArray[np.float32], sd: float, farthest: float) -
 def _require_pose(name: str, pose: Pose2) -> None:
     if not all(math.isfinite(value) for value in pose):
         raise ValueError(f"{name} must be finite [m, rad], got {pose}")
-
-
-Progress = Callable[[int, int], None]
-"""Called with (scans done, of how many)"""
 
 
 def localise_log(

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionModel
+from lfdcore.progress import Progress
 from lfdcore.wheelchair.goals.model import GoalFilter, GoalModel, OtherActionModel
 from lfdcore.wheelchair.goals.samples import GoalSamples
 
 Floats = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
