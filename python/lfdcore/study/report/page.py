@@ -30,6 +30,8 @@ code { font: .92em "DejaVu Sans Mono", monospace; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
 img { max-width: 100%; height: auto; }
+@media (max-width: 600px) { caption, th:first-child, td:first-child { white-space: normal; }
+  th:first-child, td:first-child { position: sticky; left: 0; background: #fff; } }
 @media print { body { max-width: none; margin: 0; } figure, table { break-inside: avoid; } }
 """
 )
