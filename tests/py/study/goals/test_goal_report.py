@@ -315,4 +315,4 @@ def test_a_map_stands_in_the_command_and_gives_the_world(tmp_path) -> None:
     write_map(goal_building().grid, tmp_path / "building.yaml")
     study = GoalStudy(map_file=tmp_path / "building.yaml", full=False, seed=4)
     assert study.world().goals == goals_in_map(tmp_path / "building.yaml", 4).goals
-    assert f"--map {tmp_path / 'building.yaml'} --sparse --subset 800" in study.command()
+    assert "--map building.yaml --sparse --subset 800" in study.command()
