@@ -33,7 +33,7 @@ def run_jobs(
 
     progress(done, total) is called after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
-    count, tell = processes or os.cpu_count() or 1, progress or (lambda done, total: None)
+    count, tell = min(processes or os.cpu_count() or 1, max(1, len(jobs))), progress or (lambda done, total: None)
     if count == 1:
         results: list[Result_co] = []
         for job in jobs:

@@ -83,7 +83,8 @@ def drive(
     that it was the last. It is asked when the tick's command was given and its records were written.
 
     clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is stopped.
-    ValueError, before anything moves, for a period that is not finite and > 0.
+    ValueError, before anything moves, for a period that is not finite and > 0; for a command that is not finite, which
+    the chair is never given.
     """
     if not 0 < period < math.inf:
         raise ValueError(f"period is {period} s, must be finite and > 0")
@@ -95,6 +96,7 @@ def drive(
             stamp = clock.wait_until(number * period)
             observation = chair.observe(stamp)
             assistance = assistant.update(observation)
+            _require_finite(assistance.command)
             chair.command(assistance.command, period)
             if log is not None:
                 record(log, observation, assistance, with_scan=observation.scan_stamp > scan_stamp)
@@ -103,6 +105,11 @@ def drive(
                 return
     finally:
         chair.stop()
+
+
+def _require_finite(command: Twist2) -> None:
+    if not (math.isfinite(command.linear) and math.isfinite(command.angular)):
+        raise ValueError(f"the assistant commands {command.linear} m/s and {command.angular} rad/s, must be finite")
 
 
 def record(log: DriveLogWriter, seen: Observation, answer: Assistance, *, with_scan: bool = True) -> None:

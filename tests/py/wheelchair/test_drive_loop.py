@@ -107,6 +107,17 @@ def test_the_chair_is_stopped_when_the_assistant_cannot_begin() -> None:
     assert chair.calls == [("stop", 0.0)]
 
 
+def test_a_command_that_is_not_finite_stops_the_chair_and_is_never_given() -> None:
+    class Lost(Unassisted):
+        def update(self, observation: Observation) -> Assistance:
+            return replace(super().update(observation), command=Twist2(float("nan"), 0.0))
+
+    chair = Wheels()
+    with pytest.raises(ValueError, match="commands nan m/s"):
+        drive(chair, Lost(), ticks(1), clock=SimulatedClock())
+    assert chair.calls == [("observe", 0.0), ("stop", 0.0)]
+
+
 @pytest.mark.parametrize("period", [0.0, -0.1, float("nan"), float("inf")])
 def test_a_period_that_is_none_is_refused_before_anything_moves(period: float) -> None:
     chair = Wheels()
