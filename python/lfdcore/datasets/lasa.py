@@ -30,14 +30,15 @@ class Handwriting:
 def read_handwriting(path: str | os.PathLike[str]) -> Handwriting:
     """Reads one .mat file. Needs SciPy (the extra `study`). DataError naming the file for anything else."""
     from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
 
-    path = Path(path)
+    path, garbled = Path(path), (TypeError, NotImplementedError, zlib.error, struct.error, MatReadError)
     try:
         demonstrations = loadmat(path)["demos"][0]
         stamps = tuple(np.asarray(one["t"][0, 0], np.float64).ravel() for one in demonstrations)
         positions = tuple(np.array(one["pos"][0, 0].T, np.float64, order="C") for one in demonstrations)
         _require(stamps, positions)
-    except (ValueError, KeyError, IndexError, TypeError, NotImplementedError, zlib.error, struct.error) as broken:
+    except (ValueError, KeyError, IndexError, *garbled) as broken:
         raise DataError(f"{path}: is no handwriting of the LASA set: {broken}") from broken
     return Handwriting(path.stem, stamps, positions)
 

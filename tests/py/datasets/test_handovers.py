@@ -115,3 +115,9 @@ def test_files_that_are_something_else_are_refused_by_name(tmp_path: Path) -> No
         read_handwriting(tmp_path / "text.mat")
     with pytest.raises(DataError, match=r"holds no \.mat file"):
         read_all_handwriting(tmp_path / "nowhere")
+
+
+def test_an_empty_file_is_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "x.mat").write_bytes(b"")
+    with pytest.raises(DataError, match="is no handwriting"):
+        read_handwriting(tmp_path / "x.mat")

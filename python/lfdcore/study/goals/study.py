@@ -72,7 +72,7 @@ class GoalStudy(Study):
 
     def learning(self) -> GoalLearningConfig:
         """Of the preset, with the study's subset and seed."""
-        config = GoalLearningConfig.thesis() if self.preset is Preset.thesis else GoalLearningConfig()
+        config = GoalLearningConfig.thesis() if Preset(self.preset) is Preset.thesis else GoalLearningConfig()
         return replace(config, subset=self.subset, seed=self.seed)
 
 
