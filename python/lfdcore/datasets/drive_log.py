@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import lfdcore
 from lfdcore.datasets import ros_messages as ros
+from lfdcore.datasets.whole_file import whole_file
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
 
@@ -239,17 +239,12 @@ class DriveLog:
         The file holds stamps to 1 ns, the joystick as float32, all else as it is. ValueError for negative stamps
         and where `path` is a folder or a device.
         """
-        path = Path(path)
-        if path.exists() and not path.is_file():
-            raise ValueError(f"path is {path}, exists and is no regular file")
-        part = path.with_name(f"{path.name}.{os.getpid()}.part")  # of this process: another may write there too
-        try:
-            with DriveLogWriter(part, T_base_laser=self.T_base_laser, name=self.name, metadata=self.metadata) as writer:
-                for _, _, write in sorted(self._records(writer), key=lambda record: record[:2]):
-                    write()
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
+        with (
+            whole_file(path, "log") as part,
+            DriveLogWriter(part, T_base_laser=self.T_base_laser, name=self.name, metadata=self.metadata) as writer,
+        ):
+            for _, _, write in sorted(self._records(writer), key=lambda record: record[:2]):
+                write()
 
     def _records(self, to: DriveLogWriter) -> Iterator[tuple[float, int, Callable[[], None]]]:
         for stamp, pose, twist in zip(self.odometry_stamp.tolist(), self.pose, self.twist, strict=True):

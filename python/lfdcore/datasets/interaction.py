@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets.strict_json import parse_json
+from lfdcore.datasets.whole_file import whole_file
 from lfdcore.errors import DataError
 
 Array = NDArray[np.float64]
@@ -156,14 +157,8 @@ class InteractionRecording:
         target = Path(path)
         if target.suffix != ".npz":
             raise ValueError(f"path is {target}, must end in .npz")
-        if target.exists() and not target.is_file():
-            raise ValueError(f"{target}: exists and is no regular file, so no recording is written there")
-        part = target.with_name(f"{target.name}.{os.getpid()}.part")
-        try:
+        with whole_file(target, "recording") as part:
             part.write_bytes(_packed(self))
-            os.replace(part, target)
-        finally:
-            part.unlink(missing_ok=True)
 
 
 def _columns(columns: list[Array], steps: int) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import lfdcore
 from lfdcore.datasets import ros_messages as ros
+from lfdcore.datasets.whole_file import whole_file
 from lfdcore.errors import DataError
 
 Array = NDArray[np.float64]
@@ -81,14 +82,8 @@ def write_joint_motion(motion: JointMotion, path: str | os.PathLike[str]) -> Non
     target = Path(path)
     if target.suffix not in (".mcap", ".csv"):
         raise ValueError(f"path is {target}, must end in .mcap or .csv")
-    if target.exists() and not target.is_file():
-        raise ValueError(f"{target}: exists and is no regular file, so no motion is written there")
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")
-    try:
+    with whole_file(target, "motion") as part:
         part.write_bytes(_mcap(motion) if target.suffix == ".mcap" else _csv(motion))
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_joint_motion(path: str | os.PathLike[str]) -> JointMotion:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
+from lfdcore.datasets.whole_file import whole_file
 from lfdcore.errors import ModelError
 
 _KEY = "lfdcore"  # one entry only: safetensors does not keep the order of several
@@ -36,17 +37,8 @@ def write_tensor_file(
     arrays = {name: np.ascontiguousarray(array) for name, array in tensors.items()}
     said = {**header, "format": kind, "version": version, _DIGEST: _digest(arrays)}
     data = save(arrays, metadata={_KEY: json.dumps(said, sort_keys=True, allow_nan=False)})
-    target = Path(path)
-    if target.exists() and not target.is_file():
-        raise ValueError(f"{target}: exists and is no regular file, so no model is written there")
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")  # of this process: another may write there too
-    try:
+    with whole_file(path, "model") as part:
         part.write_bytes(data)
-        os.replace(part, target)
-    except OSError as failed:  # a full disk names no file, others name the part
-        raise OSError(failed.errno, failed.strerror, str(target)) from failed
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def is_tensor_file(path: str | os.PathLike[str]) -> bool:

@@ -10,6 +10,7 @@ import json
 import math
 import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
@@ -17,10 +18,11 @@ from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 import numpy as np
 
 from lfdcore import __version__
+from lfdcore.datasets.whole_file import whole_file
 from lfdcore.pictures.style import Picture, png
 from lfdcore.progress import StageProgress
 from lfdcore.study.report.aims import Aim
-from lfdcore.study.report.page import Section, write_report
+from lfdcore.study.report.page import Section, report_page
 from lfdcore.study.report.table import Table
 
 
@@ -193,15 +195,20 @@ def _plain(value: Any) -> Any:
 
 def write_study(study: Study, findings: Findings, folder: Path, command: str = "") -> Path:
     """Writes report.html, figures.json and named pictures into `folder` -> the report's path. The same findings give
-    the same bytes. `command` stands in the report as what made it, else the study's own."""
-    folder.mkdir(parents=True, exist_ok=True)
+    the same bytes. `command` stands in the report as what made it, else the study's own.
+
+    All is there before the first file is replaced: figures never stand beside an older run's report."""
     document = as_document(study, findings) | ({"command": command} if command else {})
-    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    (folder / FIGURES).write_text(text, encoding="utf-8")
-    for picture in findings.pictures:
-        if picture.name:
-            (folder / picture.name).write_bytes(png(picture.figure))
-    for name, data in findings.files.items():
-        (folder / name).write_bytes(data)
     origin = f"lfdcore {__version__}, seed {study.seed}. Made by: `{document['command']}`"
-    return write_report(folder / REPORT, f"lfdcore: {study.title}", findings.sections, findings.headline, origin)
+    page = report_page(f"lfdcore: {study.title}", findings.sections, findings.headline, origin)
+    files = {
+        **{picture.name: png(picture.figure) for picture in findings.pictures if picture.name},
+        **findings.files,
+        FIGURES: (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
+        REPORT: page.encode(),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as written:
+        for name, data in files.items():
+            written.enter_context(whole_file(folder / name, "report")).write_bytes(data)
+    return folder / REPORT

@@ -121,6 +121,15 @@ def test_a_count_that_is_none_is_refused(people: object) -> None:
         Example(people=people)  # type: ignore[arg-type]
 
 
+def test_a_report_that_cannot_be_written_leaves_the_old_one_whole(tmp_path: Path) -> None:
+    write_study(Example(), found([]), tmp_path)
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    broken = replace(found([]), headline="Another.", files={"x/y.csv": b""})  # there is no folder x
+    with pytest.raises(OSError, match=r"y\.csv"):
+        write_study(Example(), broken, tmp_path)
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
 # -- compare --------------------------------------------------------------------------------------------------------
 
 

@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from pathlib import Path
 
 from lfdcore.pictures.style import ALARM, LEARNED, Picture, png
 from lfdcore.study.report.table import Table
@@ -84,19 +83,17 @@ def _section(section: Section) -> str:
     return f"<h2>{escape(section.title)}</h2>\n{text}{tables}{pictures}"
 
 
-def write_report(path: Path, title: str, sections: Sequence[Section], lead: str = "", origin: str = "") -> Path:
-    """Writes one HTML file that needs nothing else -> its path. The same arguments give the same bytes.
+def report_page(title: str, sections: Sequence[Section], lead: str = "", origin: str = "") -> str:
+    """One HTML file that needs nothing else. The same arguments give the same text.
 
     Below the title stand `lead`, the result in a sentence or two, and small `origin`, what made it; what stands
     between backticks is code.
     """
     parts = (f'<p class="{kind}">{_code(text)}</p>\n' for kind, text in (("lead", lead), ("note", origin)) if text)
     body = "".join([*parts, *map(_section, sections)])
-    path.write_text(
+    return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n<body><h1>{escape(title)}</h1>\n"
-        f"{body}</body></html>\n",
-        encoding="utf-8",
+        f"{body}</body></html>\n"
     )
-    return path

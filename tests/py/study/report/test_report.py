@@ -3,12 +3,11 @@
 import base64
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.style import Picture
-from lfdcore.study.report.page import Section, write_report
+from lfdcore.study.report.page import Section, report_page
 from lfdcore.study.report.table import Table
 
 
@@ -23,55 +22,54 @@ def sections() -> list[Section]:
     return [Section("Part & whole", "one\n\ntwo", [table], [picture()])]
 
 
-def written(folder: Path, parts: list[Section]) -> str:
-    return write_report(folder / "report.html", "A <title>", parts).read_text(encoding="utf-8")
+def written(parts: list[Section]) -> str:
+    return report_page("A <title>", parts)
 
 
-def test_the_report_refers_to_nothing_outside_itself(tmp_path: Path) -> None:
-    html = written(tmp_path, sections())
+def test_the_report_refers_to_nothing_outside_itself() -> None:
+    html = written(sections())
     assert html.startswith("<!doctype html>")
     assert not re.search(r"<(script|link|iframe)|https?://|url\(", html)
     assert re.findall(r'src="([^,"]*)', html) == ["data:image/png;base64"]
 
 
-def test_a_picture_is_a_png_in_the_page_with_its_caption(tmp_path: Path) -> None:
-    html = written(tmp_path, sections())
+def test_a_picture_is_a_png_in_the_page_with_its_caption() -> None:
+    html = written(sections())
     found = re.search(r'base64,([^"]+)"', html)
     assert found is not None
     assert base64.b64decode(found[1]).startswith(b"\x89PNG")
     assert "<figcaption>a &quot;line&quot; &lt;falls&gt;</figcaption>" in html
 
 
-def test_the_same_sections_give_the_same_bytes(tmp_path: Path) -> None:
-    assert written(tmp_path, sections()) == written(tmp_path, sections())
+def test_the_same_sections_give_the_same_bytes() -> None:
+    assert written(sections()) == written(sections())
 
 
-def test_markup_in_titles_and_cells_is_shown_not_run(tmp_path: Path) -> None:
-    html = written(tmp_path, sections())
+def test_markup_in_titles_and_cells_is_shown_not_run() -> None:
+    html = written(sections())
     for text in ("A &lt;title&gt;", "Part &amp; whole", "T &lt;1&gt;", "a &amp; b"):
         assert text in html
 
 
-def test_a_cells_first_line_is_its_figure_and_the_rest_stands_small_below(tmp_path: Path) -> None:
-    html = written(tmp_path, sections())
+def test_a_cells_first_line_is_its_figure_and_the_rest_stands_small_below() -> None:
+    html = written(sections())
     assert "<td>1.0 &plusmn; 0.2<br><small>[0.8, 1.2]</small></td>" in html
     assert "<p>one</p>\n<p>two</p>" in html
 
 
-def test_the_result_and_what_made_it_stand_before_everything_else(tmp_path: Path) -> None:
-    path = write_report(tmp_path / "r.html", "T", sections(), "0 < 17 collisions", "seed 1. Made by: `lfdcore demo`")
-    html = path.read_text(encoding="utf-8")
+def test_the_result_and_what_made_it_stand_before_everything_else() -> None:
+    html = report_page("T", sections(), "0 < 17 collisions", "seed 1. Made by: `lfdcore demo`")
     lead, origin = html.index("0 &lt; 17 collisions</p>"), html.index("<code>lfdcore demo</code></p>")
     assert html.index("</h1>") < lead < origin < html.index("<h2>")
-    assert "<p class=" not in written(tmp_path, [Section("Part")])
+    assert "<p class=" not in written([Section("Part")])
 
 
-def test_a_missed_figure_stands_out(tmp_path: Path) -> None:
-    html = written(tmp_path, [Section("Part", "", [Table("T", ("", "a"), (("x", "1.2\nMISSED"),))])])
+def test_a_missed_figure_stands_out() -> None:
+    html = written([Section("Part", "", [Table("T", ("", "a"), (("x", "1.2\nMISSED"),))])])
     assert "<td>1.2<br><small><b>MISSED</b></small></td>" in html
 
 
-def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
+def test_every_tag_that_opens_is_closed() -> None:
     class Tags(HTMLParser):
         def __init__(self) -> None:
             super().__init__()
@@ -85,5 +83,5 @@ def test_every_tag_that_opens_is_closed(tmp_path: Path) -> None:
             assert self.open.pop() == tag
 
     tags = Tags()
-    tags.feed(written(tmp_path, sections()))
+    tags.feed(written(sections()))
     assert tags.open == []
