@@ -11,6 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -158,16 +159,17 @@ class Driver(ABC):
     """A simulated person who drives a course. Call reset(seed), then act() every 0.1 s until `done`."""
 
     name: str
+    default_config: ClassVar[type[DriverConfig]]
 
     def __init__(
         self,
         course: Course,
-        config: DriverConfig,
+        config: DriverConfig | None = None,
         limits: MotionLimits | None = None,
         footprint: Footprint | None = None,
     ) -> None:
         self.course = course
-        self.config = config
+        self.config = config or self.default_config()
         self._limits = limits or MotionLimits()
         self._footprint = footprint or Footprint()
         self._sense = MapSense(course.grid, self._footprint)
@@ -324,16 +326,8 @@ class AbleDriver(Driver):
 
     name = "able"
 
+    default_config = AbleConfig
     config: AbleConfig
-
-    def __init__(
-        self,
-        course: Course,
-        config: AbleConfig | None = None,
-        limits: MotionLimits | None = None,
-        footprint: Footprint | None = None,
-    ) -> None:
-        super().__init__(course, config or AbleConfig(), limits, footprint)
 
     def _steer(self, stamp: float, seen: Pose2, noise: tuple[float, float], reversing: bool) -> DriverInput:
         forward, left = (-0.5, 0.0) if reversing else self._pursuit(seen, self._magnitude(seen))
@@ -361,16 +355,8 @@ class ExpertDriver(Driver):
 
     name = "expert"
 
+    default_config = ExpertConfig
     config: ExpertConfig
-
-    def __init__(
-        self,
-        course: Course,
-        config: ExpertConfig | None = None,
-        limits: MotionLimits | None = None,
-        footprint: Footprint | None = None,
-    ) -> None:
-        super().__init__(course, config or ExpertConfig(), limits, footprint)
 
     def reset(self, seed: int) -> None:
         super().reset(seed)
@@ -402,16 +388,8 @@ class ImpairedDriver(Driver):
 
     name = "impaired"
 
+    default_config = ImpairedConfig
     config: ImpairedConfig
-
-    def __init__(
-        self,
-        course: Course,
-        config: ImpairedConfig | None = None,
-        limits: MotionLimits | None = None,
-        footprint: Footprint | None = None,
-    ) -> None:
-        super().__init__(course, config or ImpairedConfig(), limits, footprint)
 
     def reset(self, seed: int) -> None:
         super().reset(seed)

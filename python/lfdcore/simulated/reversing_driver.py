@@ -12,7 +12,6 @@ from lfdcore.simulated.drivers import (
     Driver,
     DriverConfig,
     DriverInput,
-    ImpairedConfig,
     ImpairedDriver,
 )
 from lfdcore.wheelchair.two_way_assistant import TURNED, swapped_ends, swapped_limits
@@ -33,7 +32,11 @@ class _OverTheShoulder(Driver):
     """
 
     def __init__(
-        self, course: Course, config: DriverConfig, limits: MotionLimits | None, footprint: Footprint | None
+        self,
+        course: Course,
+        config: DriverConfig | None = None,
+        limits: MotionLimits | None = None,
+        footprint: Footprint | None = None,
     ) -> None:
         super().__init__(
             course, config, swapped_limits(limits or MotionLimits()), swapped_ends(footprint or Footprint())
@@ -51,30 +54,13 @@ class ReversingDriver(_OverTheShoulder, AbleDriver):
     """An able driver who looks over the shoulder."""
 
     name = "reversing"
-
-    def __init__(
-        self,
-        course: Course,
-        config: ReversingConfig | None = None,
-        limits: MotionLimits | None = None,
-        footprint: Footprint | None = None,
-    ) -> None:
-        super().__init__(course, config or ReversingConfig(), limits, footprint)
+    default_config = ReversingConfig
 
 
 class ImpairedReversingDriver(_OverTheShoulder, ImpairedDriver):
     """One who can only point roughly, too: to the five orientations as seen over the shoulder."""
 
     name = "impaired, reversing"
-
-    def __init__(
-        self,
-        course: Course,
-        config: ImpairedConfig | None = None,
-        limits: MotionLimits | None = None,
-        footprint: Footprint | None = None,
-    ) -> None:
-        super().__init__(course, config or ImpairedConfig(), limits, footprint)
 
 
 def facing_back(course: Course) -> Course:

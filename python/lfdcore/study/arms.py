@@ -9,7 +9,6 @@ from pathlib import Path
 from lfdcore.control import DynamicWindowConfig
 from lfdcore.errors import ModelError
 from lfdcore.simulated.courses import Course, course_by_name
-from lfdcore.simulated.drivers import Driver, ImpairedConfig, ImpairedDriver
 from lfdcore.simulated.run import RunConfig
 from lfdcore.wheelchair.assistants import (
     Assistant,
@@ -142,7 +141,3 @@ def courses_by_name(names: Sequence[str], seed: int) -> tuple[Course, ...]:
     courses = tuple(course_by_name(name, seed) for name in names)
     require_once("course", [course.name for course in courses])
     return courses
-
-
-def impaired_driver(config: ImpairedConfig, course: Course) -> Driver:
-    return ImpairedDriver(course, config)

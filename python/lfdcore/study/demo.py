@@ -57,7 +57,7 @@ def run(study: DrivingStudy, folder: Path, tell: StageProgress) -> Findings:
 
 def _of_trained_models(seed: int, folder: Path, models: StudyModels, tell: StageProgress) -> list[Section]:
     """The naive network learns from the demonstrations that the heatmaps were learned from."""
-    mazes = sorted(folder.glob("maze-*.mcap"))
+    mazes = demonstrations.maze_paths(folder)
     naive = learn_naive(folder, [open_log(path) for path in mazes], under(tell, "a posteriori"))
     return _a_posteriori(seed, folder, models, naive, mazes, tell)
 

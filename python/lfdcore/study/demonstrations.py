@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from lfdcore.datasets import open_log
 from lfdcore.progress import Progress, StageProgress
 from lfdcore.simulated.courses import Course, home_20x19, mazes, training_courses
-from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, ExpertDriver, able_population
+from lfdcore.simulated.drivers import AbleDriver, ExpertDriver, able_population
 from lfdcore.simulated.run import Job, RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels, make_assistant, models_by_method
@@ -46,10 +46,13 @@ def demonstrate(folder: Path, seed: int, config: RunConfig | None = None) -> lis
     An expert who touches anything or does not arrive drives again: nobody should learn from that. Raises RuntimeError
     if the last of ATTEMPTS (seeds `seed`, `seed` + 1000, ...) fails too.
     """
-    return [
-        _demonstrated(course, folder / f"demonstration-{course.name}.mcap", seed, config)
-        for course in training_courses()
-    ]
+    courses, paths = training_courses(), demonstration_paths(folder)
+    return [_demonstrated(course, path, seed, config) for course, path in zip(courses, paths, strict=True)]
+
+
+def demonstration_paths(folder: Path) -> tuple[Path, ...]:
+    """Where `demonstrate` puts its logs."""
+    return tuple(folder / f"demonstration-{course.name}.mcap" for course in training_courses())
 
 
 def _demonstrated(course: Course, path: Path, seed: int, config: RunConfig | None) -> tuple[Path, DriveTrace]:
@@ -119,15 +122,20 @@ def demonstrate_in_mazes(
     jobs = [
         Job(
             courses[_route_of(j, len(courses))],
-            partial(_able, drivers[j % MAZE_DRIVERS]),
+            partial(AbleDriver, config=drivers[j % MAZE_DRIVERS]),
             assistant,
             _SEEDS * seed + j,
             config,
-            folder / f"maze-{j:02d}.mcap",
+            path,
         )
-        for j in range(runs)
+        for j, path in enumerate(maze_paths(folder, runs))
     ]
     return _record(jobs, processes, progress)
+
+
+def maze_paths(folder: Path, runs: int = MAZE_RUNS) -> tuple[Path, ...]:
+    """Where `demonstrate_in_mazes` puts its logs."""
+    return tuple(folder / f"maze-{j:02d}.mcap" for j in range(runs))
 
 
 def learn_heatmaps_from_demonstrations(
@@ -187,7 +195,7 @@ def drive_to_destinations(
     jobs = [
         Job(
             home_20x19(first + k),
-            partial(_able, drivers[k % HOME_DRIVERS]),
+            partial(AbleDriver, config=drivers[k % HOME_DRIVERS]),
             assistant,
             first + k,
             config,
@@ -196,10 +204,6 @@ def drive_to_destinations(
         for k in range(runs)
     ]
     return _record(jobs, processes, progress)
-
-
-def _able(config: AbleConfig, course: Course) -> Driver:
-    return AbleDriver(course, config)
 
 
 def _record(jobs: list[Job], processes: int | None, progress: Progress | None) -> RecordedDrives:

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import Course, hall
-from lfdcore.simulated.drivers import AbleConfig, Driver, ImpairedConfig, able_population, population
+from lfdcore.simulated.drivers import AbleConfig, Driver, able_population, population
 from lfdcore.simulated.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
 from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.trace import DriveTrace
@@ -78,18 +78,13 @@ def _model(study: BackwardsStudy, folder: Path, tell: StageProgress) -> Path | N
 
 def _drivers(kind: str, n: int, seed: int) -> list[Callable[[Course], Driver]]:
     if kind == "able":
-        return [partial(_able, config) for config in able_population(n, seed)]
-    return [partial(_impaired, config) for config in population(n, seed)]
+        return [partial(ReversingDriver, config=_faster(config)) for config in able_population(n, seed)]
+    return [partial(ImpairedReversingDriver, config=config) for config in population(n, seed)]
 
 
-def _able(config: AbleConfig, course: Course) -> Driver:
+def _faster(config: AbleConfig) -> ReversingConfig:
     """As drawn, but for the speed."""
-    own = ReversingConfig(look_ahead=config.look_ahead, delay=config.delay, noise_sd=config.noise_sd)
-    return ReversingDriver(course, own)
-
-
-def _impaired(config: ImpairedConfig, course: Course) -> Driver:
-    return ImpairedReversingDriver(course, config)
+    return ReversingConfig(look_ahead=config.look_ahead, delay=config.delay, noise_sd=config.noise_sd)
 
 
 def _assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:

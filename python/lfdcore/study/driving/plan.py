@@ -9,13 +9,12 @@ from typing import Any
 
 from lfdcore.progress import Progress
 from lfdcore.simulated.courses import Course
-from lfdcore.simulated.drivers import population
+from lfdcore.simulated.drivers import ImpairedDriver, population
 from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import (
     ARMS,
     StudyModels,
-    impaired_driver,
     make_assistant,
     planners,
     require_arms,
@@ -47,7 +46,7 @@ class DrivingPlan:
         return [
             Job(
                 course,
-                partial(impaired_driver, config),
+                partial(ImpairedDriver, config=config),
                 partial(make_assistant, arm, self.models, self.run),
                 self.seed + k,
                 self.run,

@@ -9,7 +9,11 @@ from typing import Annotated
 
 from lfdcore.progress import StageProgress
 from lfdcore.study.arms import ARMS, METHODS, StudyModels, courses_by_name, models_by_method, require_arms
-from lfdcore.study.demonstrations import learn_from_demonstrations, learn_heatmaps_from_demonstrations
+from lfdcore.study.demonstrations import (
+    demonstration_paths,
+    learn_from_demonstrations,
+    learn_heatmaps_from_demonstrations,
+)
 from lfdcore.study.driving.plan import DrivingPlan, DrivingResult, run_driving_plan
 from lfdcore.study.driving.tasks import TaskPlan, TaskResult, run_task_plan
 from lfdcore.study.study import Option, Study, silent, under
@@ -64,7 +68,7 @@ def run_driving_study(study: DrivingStudy, folder: Path, tell: StageProgress = s
     if study.starts:
         task_plan = TaskPlan(models=models, arms=study.assistants, starts=study.starts, seed=study.seed)
         tasks = run_task_plan(task_plan, partial(tell, "tasks: docking, narrow gap"), study.processes)
-    demonstrations = () if given.file("primitives") else tuple(sorted(folder.glob("demonstration-*.mcap")))
+    demonstrations = () if given.file("primitives") else demonstration_paths(folder)
     return WholeResult(driven, tasks, demonstrations)
 
 

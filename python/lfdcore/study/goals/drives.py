@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from lfdcore.datasets import DriveLog, open_log
 from lfdcore.geometry import wrap_angle
 from lfdcore.progress import Progress
-from lfdcore.simulated.courses import Course, GoalWorld, goal_building
-from lfdcore.simulated.drivers import AbleConfig, AbleDriver, Driver, able_population
+from lfdcore.simulated.courses import GoalWorld, goal_building
+from lfdcore.simulated.drivers import AbleDriver, able_population
 from lfdcore.simulated.run import Job, RunConfig
-from lfdcore.simulated.trace import DriveTrace
+from lfdcore.study.demonstrations import RecordedDrives
 from lfdcore.study.jobs import run_jobs
 from lfdcore.wheelchair.assistants import Unassisted
 
@@ -32,16 +32,13 @@ MOST_NOISE = 100.0
 
 
 @dataclass(frozen=True)
-class GoalDrives:
-    """Recorded drives to a world's destinations, in the order of destinations and runs. None is left out, however it
-    ended.
+class GoalDrives(RecordedDrives):
+    """Recorded drives to a world's destinations, in the order of destinations and runs.
 
     destinations, runs: of each drive, the goal's name and which of the RUNS_EACH it is.
     """
 
     world: GoalWorld
-    paths: tuple[Path, ...]
-    traces: tuple[DriveTrace, ...]
     destinations: tuple[str, ...]
     runs: tuple[int, ...]
 
@@ -69,16 +66,6 @@ class GoalDrives:
         """Opens these drives' logs."""
         return [open_log(self.paths[k]) for k in indices]
 
-    @property
-    def unfinished(self) -> int:
-        """How many drives did not reach their destination."""
-        return sum(not trace.completed for trace in self.traces)
-
-    @property
-    def collisions(self) -> int:
-        """Contacts in all drives."""
-        return sum(int(trace.collision.sum()) for trace in self.traces)
-
 
 def record_goal_drives(
     folder: Path,
@@ -102,21 +89,17 @@ def record_goal_drives(
     jobs = []
     for g, run in which:
         name, number = world.goals.names[g], 1000 * seed + RUNS_EACH * g + run
-        make_driver = partial(_able, drivers[_driver_of(g, run)])
+        make_driver = partial(AbleDriver, config=drivers[_driver_of(g, run)])
         path = folder / f"goal-{g + 1}-{run + 1}.mcap"
         jobs.append(Job(world.course(name, number), make_driver, Unassisted, number, config, path, name))
     traces = run_jobs(jobs, progress, processes)
     paths = tuple(job.log_path for job in jobs if job.log_path is not None)
     names = tuple(world.goals.names[g] for g, _ in which)
-    return GoalDrives(world, paths, traces, names, tuple(run for _, run in which))
+    return GoalDrives(paths, traces, world, names, tuple(run for _, run in which))
 
 
 def _driver_of(goal: int, run: int) -> int:
     return (run + goal) % RUNS_EACH
-
-
-def _able(config: AbleConfig, course: Course) -> Driver:
-    return AbleDriver(course, config)
 
 
 # -- what goes wrong at run time ------------------------------------------------------------------------------------

@@ -130,6 +130,8 @@ class GoalResult:
 
 def run_goal_study(study: GoalStudy, folder: Path, tell: StageProgress = silent) -> GoalResult:
     """Drives, with logs in `folder`, learns, judges. ValueError as goals_in_map and learn_goals; needs torch."""
+    import torch  # noqa: F401 - where it is missing, before anything is driven
+
     world = study.world()
     drives = record_goal_drives(folder, world, study.seed, processes=study.processes, progress=partial(tell, "drive"))
     trials = _record_trials(study, world, folder / "trials", tell)

@@ -9,10 +9,10 @@ from typing import Any
 
 from lfdcore.progress import StageProgress
 from lfdcore.simulated.courses import home_20x19
-from lfdcore.simulated.drivers import population
+from lfdcore.simulated.drivers import ImpairedDriver, population
 from lfdcore.simulated.run import Job
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import StudyModels, impaired_driver, make_assistant, planners
+from lfdcore.study.arms import StudyModels, make_assistant, planners
 from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.learning_curve.models import model_files
@@ -43,7 +43,7 @@ def drives_of(study: LearningCurveStudy, method: str, models: StudyModels) -> li
     return [
         Job(
             home_20x19(first + k),
-            partial(impaired_driver, config),
+            partial(ImpairedDriver, config=config),
             partial(make_assistant, method, models, study.run),
             first + k,
             study.run,

@@ -42,6 +42,8 @@ def learn_curve_models(study: LearningCurveStudy, folder: Path, tell: StageProgr
     missing = [n for n in study.runs if not all(_path(files[n], method).exists() for method in METHODS)]
     if not missing:
         return
+    import torch  # noqa: F401 - where it is missing, before anything is driven
+
     drives = demonstrate_in_mazes(
         models, study.seed, missing[-1], study.run, study.processes, partial(tell, "demonstrate")
     )

@@ -61,7 +61,7 @@ def some_of(drives: GoalDrives, first_run: int) -> GoalDrives:
     paths, traces, names, runs = (
         tuple(values[k] for k in kept) for values in (drives.paths, drives.traces, drives.destinations, drives.runs)
     )
-    return GoalDrives(world, paths, traces, names, runs)
+    return GoalDrives(paths, traces, world, names, runs)
 
 
 @pytest.fixture(scope="module")
