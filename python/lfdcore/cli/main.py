@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from typing import NoReturn
 
@@ -57,6 +58,8 @@ def main() -> None:
     """Runs a command: exit code 2 for wrong use, 1 for a failure with one clear line, 130 after Ctrl-C."""
     from lfdcore.errors import DataError, ModelError
 
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda got, _: sys.exit(128 + got))  # as an exception it ends workers and closes files
     try:
         app()
     except (ValueError, DataError, ModelError) as error:

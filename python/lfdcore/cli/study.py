@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import MISSING
 from inspect import Parameter, Signature
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
 import typer
@@ -101,6 +102,8 @@ def _made(folder: Path) -> Iterator[None]:
     new = [one for one in (folder, *folder.parents) if not one.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     try:
+        with TemporaryFile(dir=folder):  # OSError now, not after the work
+            pass
         yield
     except BaseException:
         for one in new:

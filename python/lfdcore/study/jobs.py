@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -15,6 +14,10 @@ from typing import Protocol, TypeVar
 from lfdcore.progress import Progress
 
 Result_co = TypeVar("Result_co", covariant=True)
+
+
+ENDING = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+"""Signals that end a program"""
 
 
 class Runnable(Protocol[Result_co]):
@@ -41,10 +44,9 @@ def run_jobs(
             tell(len(results), len(jobs))
         return tuple(results)
     others = set(multiprocessing.active_children())
-    deaf = (signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all: this process ends the others
-    with ProcessPoolExecutor(count, initializer=signal.signal, initargs=deaf) as pool:
+    with ProcessPoolExecutor(count, initializer=_leave_the_end_to_the_parent) as pool:
         try:
-            with _interrupt_deferred():
+            with _end_deferred():
                 futures = [pool.submit(job.run) for job in jobs]
             for done, future in enumerate(as_completed(futures), 1):
                 future.result()
@@ -53,6 +55,14 @@ def run_jobs(
             _end(pool, set(multiprocessing.active_children()) - others)
             raise
     return tuple(future.result() for future in futures)
+
+
+def _leave_the_end_to_the_parent() -> None:
+    """In a worker: a terminal sends Ctrl-C to all, but the parent ends its workers, by SIGTERM."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
 
 
 def _end(pool: ProcessPoolExecutor, workers: set[BaseProcess]) -> None:
@@ -66,16 +76,11 @@ def _end(pool: ProcessPoolExecutor, workers: set[BaseProcess]) -> None:
 
 
 @contextmanager
-def _interrupt_deferred() -> Iterator[None]:
-    """Ctrl-C meanwhile counts afterwards: between a process's birth and its entry in a list nobody could end it."""
-    if threading.current_thread() is not threading.main_thread():  # which alone is interrupted
-        yield
-        return
-    pending: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: pending.append(number))
+def _end_deferred() -> Iterator[None]:
+    """A signal to end meanwhile counts afterwards: between a process's birth and its entry in a list nobody could end
+    it, and a worker is born with its parent's handlers."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
-    if pending:
-        raise KeyboardInterrupt
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -197,9 +198,18 @@ main()
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs Linux's /proc to see the workers")
-@pytest.mark.parametrize("everyone", [True, False], ids=["as a terminal does", "the parent alone"])
-def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
-    everyone: bool, tmp_path: Path, home_model: Path
+@pytest.mark.parametrize(
+    ("kill", "number", "code", "last"),
+    [
+        (os.killpg, signal.SIGINT, 130, "lfdcore: interrupted"),
+        (os.kill, signal.SIGINT, 130, "lfdcore: interrupted"),
+        (os.kill, signal.SIGTERM, 143, None),
+        (os.kill, signal.SIGHUP, 129, None),
+    ],
+    ids=["Ctrl-C at a terminal", "SIGINT to the parent", "SIGTERM to the parent", "SIGHUP to the parent"],
+)
+def test_a_signal_ends_a_study_and_its_workers_at_once_without_a_traceback(
+    kill: Callable[[int, int], None], number: int, code: int, last: str | None, tmp_path: Path, home_model: Path
 ) -> None:
     arguments = ["study", "driving", "-o", str(tmp_path), "--model", str(home_model), "--processes", "2"]
     arguments += ["--assistants", "none,dwa,primitives"]
@@ -209,13 +219,13 @@ def test_ctrl_c_ends_a_study_and_its_workers_at_once_with_one_line(
         while len(workers := worker_pids(study.pid)) < 2 and time.monotonic() < deadline:
             time.sleep(0.01)
         assert len(workers) == 2
-        (os.killpg if everyone else os.kill)(study.pid, signal.SIGINT)
+        kill(study.pid, number)
         try:
             _, said = study.communicate(timeout=20)  # 0.4 s on an idle machine; the study would take a minute or more
         finally:
             study.kill()  # or leaving `with` waits for it
-    assert study.returncode == 130
-    assert said.splitlines()[-1] == "lfdcore: interrupted"
+    assert study.returncode == code, said
+    assert last is None or said.splitlines()[-1] == last
     assert "Traceback" not in said
     assert "Error" not in said
     assert not [worker for worker in workers if Path(f"/proc/{worker}").exists()]

@@ -18,7 +18,7 @@ from lfdcore.simulation import LidarConfig
 from lfdcore.study.arms import ARMS, FOOTNOTE_ARMS, StudyModels, make_assistant
 from lfdcore.study.demonstrations import demonstrate
 from lfdcore.study.driving.plan import DrivingPlan, run_driving_plan
-from lfdcore.study.jobs import _interrupt_deferred, run_jobs
+from lfdcore.study.jobs import _end_deferred, run_jobs
 from lfdcore.wheelchair.assistants import STOP, Unassisted
 from lfdcore.wheelchair.observation import Assistance, Observation
 
@@ -216,7 +216,7 @@ def test_every_arm_drives(arm: str, home_model: Path, heatmap_model: Path) -> No
 def test_ctrl_c_while_processes_are_started_counts_once_all_are_known() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     reached = False
-    with pytest.raises(KeyboardInterrupt), _interrupt_deferred():
+    with pytest.raises(KeyboardInterrupt), _end_deferred():
         signal.raise_signal(signal.SIGINT)
         reached = True
     restored = signal.signal(signal.SIGINT, before)
