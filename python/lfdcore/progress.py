@@ -6,3 +6,7 @@ Progress = Callable[[int, int], None]
 """Called with (done, total)."""
 StageProgress = Callable[[str, int, int], None]
 """Called with (stage, done, total)."""
+
+
+def silent(*_: object) -> None:
+    """Reports to nobody."""

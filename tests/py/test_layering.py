@@ -1,12 +1,13 @@
 """Who may import or include what (docs/architecture.md): arrows point only down."""
 
-import ast
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from imports import imported_modules
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
@@ -48,14 +49,7 @@ def stage(path: Path) -> str:
 
 def imported(path: Path) -> set[str]:
     """The lfdcore stages that a file imports anywhere, also inside functions and under TYPE_CHECKING."""
-    names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            assert node.level == 0, f"{path} uses a relative import"
-            names |= {f"{node.module}.{alias.name}" for alias in node.names} | {node.module}
-        elif isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-    return {name.split(".")[1] for name in names if name.startswith("lfdcore.")}
+    return {name.split(".")[1] for name in imported_modules(path) if name.startswith("lfdcore.")}
 
 
 def test_every_stage_is_in_the_table_and_no_other() -> None:

@@ -76,7 +76,7 @@ def collaborate(
     model, recording = CollaborationModel.load(model_file), load_interaction(observe)
     seen = recording.partial(share=1.0) if until is None else recording.partial(seconds=until)
     scene = read_environment(environment) if environment is not None else recording.environment
-    inference = model.infer(seen, scene if model.environment_names else None)
+    inference = model.infer(seen, scene)
     facts, robot = _facts(model, inference, seen, scene), _robot(urdf)
     joints, outcome = _joints(robot, model, inference, mount)
     facts["arm"] = outcome

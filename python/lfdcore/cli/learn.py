@@ -72,7 +72,7 @@ def learn_drive_command(
     require_each_once(logs)
     require_writable(output, logs)
     if method is not Method.primitives:
-        _require_training()
+        import lfdcore.training.drive_heatmaps  # noqa: F401 - what is missing, before any log is read
     drives = [open_log(path) for path in logs]
     with progress_bar() as bar:
         model, network = _learn(method, first_share(drives, share), preset, Stages(bar))
@@ -110,10 +110,3 @@ def _curve(network: TrainedHeatmapNet) -> str:
         kept = "  kept" if epoch == network.best else ""
         rows.append(f"{epoch.epoch:>5}  {epoch.train:>6.4f}  {epoch.validation:>10.4f}{kept}")
     return "\n".join(["", *rows])
-
-
-def _require_training() -> None:
-    try:
-        import lfdcore.training.drive_heatmaps  # noqa: F401
-    except ModuleNotFoundError as missing:
-        raise ValueError(f"learning heatmaps needs {missing.name}: install lfdcore with the extra 'train'") from missing

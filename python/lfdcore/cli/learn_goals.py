@@ -41,10 +41,10 @@ def learn_goals_command(
 
     require_each_once(logs)
     require_writable(output, [*logs, goals])
-    try:
-        from lfdcore.training.goals import GoalLearningConfig, learn_goals
-    except ModuleNotFoundError as missing:
-        raise ValueError(f"learning goals needs {missing.name}: install lfdcore with the extra 'train'") from missing
+    import torch  # noqa: F401 - where it is missing, before any log is read
+
+    from lfdcore.training.goals import GoalLearningConfig, learn_goals
+
     places, drives = read_goals(goals), [open_log(path) for path in logs]
     config = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()
     config = replace(config, subset=subset or config.subset, seed=seed)

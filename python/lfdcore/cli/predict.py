@@ -223,12 +223,9 @@ def _models_and_logs(files: list[Path]) -> tuple[list[Path], list[Path]]:
 
 
 def _is_model(file: Path) -> bool:
-    """By its suffix, else by its first bytes: safetensors begins with its header's length and '{'."""
-    if file.suffix == ".safetensors" or file.is_dir():
-        return not file.is_dir()
-    with file.open("rb") as stream:
-        head = stream.read(9)
-    return head[8:] == b"{" and 1 < int.from_bytes(head[:8], "little") <= file.stat().st_size
+    from lfdcore.datasets.tensor_file import is_tensor_file
+
+    return file.is_file() and (file.suffix == ".safetensors" or is_tensor_file(file))
 
 
 def _load(files: list[Path]) -> dict[str, MethodModel]:

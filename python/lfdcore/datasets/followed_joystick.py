@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import WINDOW, mean_twist
 from lfdcore.datasets.safe_joystick import JoystickPairs
-from lfdcore.geometry import Twist2, wrap_angle
+from lfdcore.geometry import Twist2
 
 HORIZON = 1.0
 """[s] after a scan whose motion is what was followed"""
@@ -34,7 +34,7 @@ def followed_pairs(log: DriveLog, limits: Twist2, horizon: float = HORIZON) -> J
         if not len(getattr(log, f"{name}_stamp")):
             raise ValueError(f"log {log.name!r} has no {name}, so no pairs of raw and followed input")
     stamp = log.scan_stamp[_covered(log, horizon)]
-    followed = _mean_twist(log, stamp, horizon) / np.array([*limits])
+    followed = mean_twist(log.pose_at(stamp), log.pose_at(stamp + horizon), horizon) / np.array([*limits])
     return JoystickPairs(stamp, log.joystick_at(stamp), np.clip(followed, -1, 1))
 
 
@@ -46,10 +46,3 @@ def _covered(log: DriveLog, horizon: float) -> NDArray[np.bool_]:
     inside = (first >= 0) & (last < len(known)) & (now >= log.joystick_stamp[0])
     gaps = np.r_[0, np.cumsum(np.diff(known) > max(WINDOW, horizon))]
     return np.asarray(inside & (gaps[np.clip(first, 0, None)] == gaps[np.clip(last, None, len(known) - 1)]))
-
-
-def _mean_twist(log: DriveLog, stamp: NDArray[np.float64], horizon: float) -> NDArray[np.float64]:
-    """(N, 2) [m/s, rad/s] from each stamp to `horizon` [s] later; of two ways to turn the shorter one."""
-    before, after = log.pose_at(stamp), log.pose_at(stamp + horizon)
-    after[:, 2] = before[:, 2] + wrap_angle(after[:, 2] - before[:, 2])
-    return mean_twist(before, after, horizon)

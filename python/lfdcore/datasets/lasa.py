@@ -6,6 +6,7 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -32,15 +33,16 @@ def read_handwriting(path: str | os.PathLike[str]) -> Handwriting:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
-    path, garbled = Path(path), (TypeError, NotImplementedError, zlib.error, struct.error, MatReadError)
+    data = BytesIO(Path(path).read_bytes())  # what the disk refuses is an OSError, what the bytes hold is not
+    garbled = (MatReadError, OSError, ValueError, KeyError, IndexError, TypeError, NotImplementedError)
     try:
-        demonstrations = loadmat(path)["demos"][0]
+        demonstrations = loadmat(data)["demos"][0]
         stamps = tuple(np.asarray(one["t"][0, 0], np.float64).ravel() for one in demonstrations)
         positions = tuple(np.array(one["pos"][0, 0].T, np.float64, order="C") for one in demonstrations)
         _require(stamps, positions)
-    except (ValueError, KeyError, IndexError, *garbled) as broken:
+    except (*garbled, zlib.error, struct.error) as broken:
         raise DataError(f"{path}: is no handwriting of the LASA set: {broken}") from broken
-    return Handwriting(path.stem, stamps, positions)
+    return Handwriting(Path(path).stem, stamps, positions)
 
 
 def _require(stamps: tuple[Array, ...], positions: tuple[Array, ...]) -> None:

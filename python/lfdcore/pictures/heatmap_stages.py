@@ -167,7 +167,7 @@ def heat_moment(model: HeatmapModel, log: DriveLog, config: HeatmapPlannerConfig
     """The scan, of one a second, with a path on the grid after which the driver went farthest aside within 2.5 m; None
     without any."""
     chair = ChairGeometry(T_base_laser=log.T_base_laser)
-    planner, around = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair), Surroundings(chair, 30.0)
+    planner, around = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair), Surroundings(chair)
     best, aside, due = None, 0.0, -np.inf
     for now in observations(log):
         obstacles = around.see(now)

@@ -3,26 +3,25 @@ mazes (Sec. 4.2), and unassisted in a home that is like neither, to judge predic
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from lfdcore.datasets import open_log
-from lfdcore.progress import Progress, StageProgress
+from lfdcore.progress import Progress, StageProgress, silent
 from lfdcore.simulated.courses import Course, home_20x19, mazes, training_courses
 from lfdcore.simulated.drivers import AbleDriver, ExpertDriver, able_population
 from lfdcore.simulated.run import Job, RunConfig, run_drive
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels, make_assistant, models_by_method
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, silent, under
+from lfdcore.study.study import Option, under
 from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
 from lfdcore.wheelchair.assistants import Unassisted
 
 if TYPE_CHECKING:
-    from lfdcore.training.parts.heatmap_net import EpochLoss
+    pass
 
 HeatmapsFile = Annotated[Path | None, Option("Learned heatmaps; else learned from demonstrations, which needs torch.")]
 """The option `model` of studies that drive with heatmaps alone"""
@@ -142,15 +141,14 @@ def learn_heatmaps_from_demonstrations(
     folder: Path,
     seed: int,
     progress: StageProgress | None = None,
-    on_epoch: Callable[[EpochLoss], None] | None = None,
     processes: int | None = None,
 ) -> Path:
     """Demonstrates in the mazes, learns and saves the model in `folder` -> its path. Needs torch."""
     from lfdcore.training.drive_heatmaps import learn_heatmaps
 
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     drives = demonstrate_in_mazes(folder, seed, processes=processes, progress=partial(tell, "demonstrate"))
-    learned = learn_heatmaps([open_log(path) for path in drives.paths], progress=tell, on_epoch=on_epoch)
+    learned = learn_heatmaps([open_log(path) for path in drives.paths], progress=tell)
     path = folder / HEATMAPS_NAME
     learned.model.save(path)
     return path

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from typing import Protocol, TypeVar
 
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 
 Result_co = TypeVar("Result_co", covariant=True)
 
@@ -36,7 +36,7 @@ def run_jobs(
 
     progress(done, total) is called after each. An error or Ctrl-C ends all processes at once, within their jobs.
     """
-    count, tell = min(processes or os.cpu_count() or 1, max(1, len(jobs))), progress or (lambda done, total: None)
+    count, tell = min(processes or os.cpu_count() or 1, max(1, len(jobs))), progress or silent
     if count == 1:
         results: list[Result_co] = []
         for job in jobs:

@@ -26,10 +26,6 @@ from lfdcore.study.report.page import Section, report_page
 from lfdcore.study.report.table import Table
 
 
-def silent(stage: str, done: int, total: int) -> None:
-    """Reports to nobody."""
-
-
 def under(tell: StageProgress, title: str) -> StageProgress:
     """As `tell`, each stage named after `title`."""
     return lambda stage, done, total: tell(f"{title}: {stage}", done, total)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.interaction import InteractionRecording, environments
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel, evenly
 from lfdcore.humanoid.pose_columns import PoseColumns
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +56,12 @@ def learn_collaboration(
     return replace(chosen, metadata={**chosen.metadata, "noise_choice": rows})
 
 
+def noise_factor(model: CollaborationModel) -> float:
+    """Of the noise that was chosen over the fit's residual, the first that was tried; 1 where there was no choice."""
+    tried = model.metadata.get("noise_choice")
+    return float(model.primitive.config.noise or 0.0) / float(tried[0][0]) if tried else 1.0
+
+
 def left_out_errors(
     demonstrations: Sequence[InteractionRecording],
     candidates: Sequence[CollaborationConfig],
@@ -65,7 +71,7 @@ def left_out_errors(
     """(candidates,) RMS error of the robot's columns (PoseColumns.difference), each over its standard deviation in the
     demonstration left out, over folds and shares. A fold leaves every folds-th demonstration out; one without
     which the environment no longer varies is passed over, NaN if all are."""
-    tell = progress or (lambda done, total: None)
+    tell = progress or silent
     folds = min(choice.folds, len(demonstrations) // 2)
     squares = np.full((len(candidates), folds), np.nan)
     for fold in range(folds):
@@ -108,5 +114,5 @@ class _LeftOut:
         return _LeftOut(tuple(one.partial(share=share) for share in shares), one.environment, motion, spread)
 
     def square_error(self, model: CollaborationModel, partial: InteractionRecording) -> float:
-        said = model.infer(partial, self.environment if model.environment_names else None)
+        said = model.infer(partial, self.environment)
         return float(np.mean((model.robot.difference(said.robot_motion(), self.motion) / self.spread) ** 2))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -13,9 +14,9 @@ from lfdcore.datasets.followed_joystick import followed_pairs
 from lfdcore.datasets.motion import full_deflection
 from lfdcore.datasets.safe_joystick import JoystickPairs, joystick_pairs, notes_limits
 from lfdcore.geometry import arc_length
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.training.parts.gp_hyperparameters import STICK_SEARCH, HyperParameterConfig, fit_joystick_model
-from lfdcore.training.parts.heatmap_net import EpochLoss, HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
+from lfdcore.training.parts.heatmap_net import HeatmapNetConfig, TrainedHeatmapNet, train_heatmap_net
 from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel, JoystickModelConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
@@ -70,14 +71,13 @@ def learn_heatmaps(
     logs: Sequence[DriveLog],
     config: HeatmapLearningConfig | None = None,
     progress: StageProgress | None = None,
-    on_epoch: Callable[[EpochLoss], None] | None = None,
 ) -> LearnedHeatmaps[HeatmapModel]:
     """From demonstrations with a joystick (Sec. 4.2-4.4). ValueError as heatmap_pairs, learn_joystick and
     train_heatmap_net."""
-    config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
-    pairs = heatmap_pairs(logs, config.targets, lambda done, total: tell("targets", done, total))
+    config, tell = config or HeatmapLearningConfig(), progress or silent
+    pairs = heatmap_pairs(logs, config.targets, partial(tell, "targets"))
     joystick = learn_joystick(logs, config)
-    network = train_heatmap_net(pairs, config.network, lambda done, total: tell("network", done, total), on_epoch)
+    network = train_heatmap_net(pairs, config.network, partial(tell, "network"))
     metadata = _metadata(logs, pairs, network)
     return LearnedHeatmaps(HeatmapModel(SensorHeatmap(network.onnx), joystick, metadata), network)
 
@@ -103,13 +103,12 @@ def learn_naive_heatmap(
     logs: Sequence[DriveLog],
     config: HeatmapLearningConfig | None = None,
     progress: StageProgress | None = None,
-    on_epoch: Callable[[EpochLoss], None] | None = None,
 ) -> LearnedHeatmaps[NaiveHeatmapModel]:
     """The same network on scan and stick in one image, its target the driver's own way alone (Sec. 4.6.2)."""
-    config, tell = config or HeatmapLearningConfig(), progress or (lambda stage, done, total: None)
+    config, tell = config or HeatmapLearningConfig(), progress or silent
     targets, settings = replace(config.targets, paths="own"), replace(config.network, kind="naive")
-    pairs = heatmap_pairs(logs, targets, lambda done, total: tell("targets", done, total))
-    network = train_heatmap_net(pairs, settings, lambda done, total: tell("network", done, total), on_epoch)
+    pairs = heatmap_pairs(logs, targets, partial(tell, "targets"))
+    network = train_heatmap_net(pairs, settings, partial(tell, "network"))
     model = NaiveHeatmapModel(NaiveHeatmap(network.onnx), _metadata(logs, pairs, network))
     return LearnedHeatmaps(model, network)
 

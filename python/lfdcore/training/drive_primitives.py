@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets import joystick_from_motion
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import full_deflection
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 from lfdcore.training.parts.typical_paths import TypicalPathConfig, typical_paths
 from lfdcore.wheelchair.primitives.compliance import ComplianceConfig, ComplianceModel
 from lfdcore.wheelchair.primitives.intention import IntentionConfig, IntentionModel
@@ -51,7 +51,7 @@ def learn_drive(
 
     ValueError if no log is given, or none holds a local path: it says what was found instead.
     """
-    config, tell = config or LearningConfig(), progress or (lambda done, total: None)
+    config, tell = config or LearningConfig(), progress or silent
     total = len(logs) + 3
     parts = []
     for number, log in enumerate(logs):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -19,7 +20,7 @@ from lfdcore.estimation import (
     Kernel,
     select_subset,
 )
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.training.parts.goal_net import GoalNetConfig, train_goal_network
 from lfdcore.training.parts.gp_hyperparameters import HyperParameterConfig, HyperParameters, fit_hyper_parameters
 from lfdcore.training.parts.process_noise import best_calibrated, leave_drives_out
@@ -99,9 +100,9 @@ def learn_goals(
     `processes`: that search hyper-parameters side by side, by joblib, so that any of its backends serves (inside
     `joblib.parallel_config("dask")` a cluster); the result does not depend on it.
     """
-    config, tell = config or GoalLearningConfig(), progress or (lambda stage, done, total: None)
+    config, tell = config or GoalLearningConfig(), progress or silent
     samples = moving(goal_samples(logs, goals), config.filter.at_rest)
-    network = train_goal_network(samples, len(goals), config.network, lambda d, n: tell("network", d, n))
+    network = train_goal_network(samples, len(goals), config.network, partial(tell, "network"))
     kernels = fit_action_kernels(samples, goals, config, tell, processes)
 
     def with_subset(chosen: GoalSamples) -> GoalModel:
@@ -109,7 +110,7 @@ def learn_goals(
         return GoalModel(goals, chosen, kernels, subset, network, config.filter)
 
     left_out = leave_drives_out(
-        samples, config.folds, config.process_noises, with_subset, lambda d, n: tell("process noise", d, n)
+        samples, config.folds, config.process_noises, with_subset, partial(tell, "process noise")
     )
     tell("subset", 0, 1)
     model = with_subset(samples)
@@ -162,7 +163,7 @@ def fit_action_kernels(
     processes: int = 1,
 ) -> tuple[ActionKernel, ActionKernel]:
     """Type-II maximum likelihood (C.3 corrected, F4) for forward and left, on a seeded draw of the samples."""
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     drawn = drawn_samples(len(samples), config)
     inputs, targets = action_inputs(samples, goals, config)
     jobs = [(axis, k) for axis in (0, 1) for k in range(config.searches)]
@@ -231,7 +232,7 @@ def kernel_likelihoods(
     progress: StageProgress | None = None,
 ) -> tuple[KernelLikelihood, KernelLikelihood]:
     """Of forward and left, once each: for N = 10^4 some 15 s and 4 N^2 bytes (400 MB)."""
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     inputs, targets = action_inputs(samples, goals, config)
     drawn, found = drawn_samples(len(samples), config), []
     for axis, kernel in enumerate(kernels):

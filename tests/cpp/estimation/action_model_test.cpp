@@ -126,7 +126,7 @@ TEST(ActionModel, projected_on_all_samples_is_the_full_one_on_both_paths) {
 
 TEST(ActionModel, leaves_unread_what_is_too_far_away_to_matter) {
   ActionData data = random_actions(320);
-  for (int n = 0; n < 320; ++n) data.states(n, 0) += n;  // most of the samples are far from any one state_on_the_way
+  for (int n = 0; n < 320; ++n) data.states(n, 0) += n;  // most of the samples are far from any one state
   const ActionModel model(data.states, data.goals, data.actions, data.kernels);
   EXPECT_LT(difference(moments(model), literal_moments(data, uncertain_goal())), 1e-11);
 }

@@ -11,9 +11,8 @@ import pytest
 
 from calling import run
 from lfdcore.datasets import open_log
-from lfdcore.simulated import courses
 from lfdcore.simulated.courses import course_by_name
-from lfdcore.study import demonstrations
+from lfdcore.study import arms, demonstrations
 from lfdcore.study.demonstrations import demonstrate_in_mazes, drive_to_destinations
 from lfdcore.study.heatmaps import report
 from lfdcore.study.report import page
@@ -33,7 +32,7 @@ def short(monkeypatch) -> None:
     def homes(folder, seed, processes, progress):
         return drive_to_destinations(folder, seed, runs=2, processes=processes, progress=progress)
 
-    monkeypatch.setattr(courses, "course_by_name", lambda name, seed: course_by_name("flat", seed))
+    monkeypatch.setattr(arms, "course_by_name", lambda name, seed: course_by_name("flat", seed))
     monkeypatch.setattr(demonstrations, "demonstrate_in_mazes", mazes)
     monkeypatch.setattr(report, "drive_to_destinations", homes)
     monkeypatch.setattr(page, "png", lambda figure: b"")
@@ -68,6 +67,7 @@ def test_the_demo_shows_all_its_parts_without_the_training_extra(
     assert "Table 4.1" in out
     rows = json.loads((tmp_path / "figures.json").read_text())["rows"]
     assert [row["assistant"] for row in rows] == ["none", "dwa", "primitives", "heatmaps"]
+    assert {row["course"] for row in rows} == {"flat"}
     written = (tmp_path / "report.html").read_text()
     titles = ("Driving", "Where the models come from", "From demonstrations to a path")
     titles += ("From a scan and a stick to a path, by heatmaps", "What the methods predict, a posteriori (Sec. 4.6.2)")

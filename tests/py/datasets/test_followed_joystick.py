@@ -42,6 +42,11 @@ def test_a_constant_arc_is_the_stick_that_asks_for_it():
     np.testing.assert_allclose(pairs.safe, np.tile([0.5 * chord, 0.2], (21, 1)), atol=1e-9)
 
 
+def test_more_than_half_a_turn_within_the_horizon_is_not_taken_for_the_shorter_way_round():
+    pairs = followed_pairs(log_of_motion([(0.0, 1.2)] * 120), LIMITS, horizon=4.0)
+    np.testing.assert_allclose(pairs.safe[:, 1], 1.2 / LIMITS.angular)
+
+
 def test_what_is_followed_is_the_mean_of_the_next_second_and_nothing_before():
     twists = [(0.2, 0.0)] * 20 + [(0.4, 0.0)] * 10 + [(0.8, 0.0)] * 30
     pairs = followed_pairs(log_of_motion(twists), LIMITS)

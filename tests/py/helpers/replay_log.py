@@ -21,7 +21,8 @@ def main(model: str, log: str) -> None:
     for seen in observations(open_log(Path(log))):
         said = assistant.update(seen)
         print(repr(seen.stamp), *map(repr, said.command), said.mode, said.planned)
-    known = [name for name in sys.modules if name.startswith("lfdcore.study")]
+    above = ("lfdcore.study", "lfdcore.simulated", "lfdcore.training")
+    known = [name for name in sys.modules if name.startswith(above)]
     if known:
         sys.exit(f"the assistant imported {known}")
 

@@ -28,11 +28,21 @@ def hidden(one: InteractionRecording, rows: slice, columns: slice = slice(None))
     return dataclasses.replace(one, partner=partner)
 
 
-def test_the_core_s_defaults_are_the_collaboration_s() -> None:
-    ours, core = CollaborationConfig().primitive(), InteractionPrimitiveConfig()
+def test_what_a_collaboration_sets_reaches_the_core_and_its_defaults_are_the_core_s() -> None:
+    config = CollaborationConfig(
+        basis_functions=7,
+        observe="forcing",
+        phase="warped",
+        noise=0.5,
+        environment_noise=0.02,
+        printed_environment_weights=True,
+    )
+    ours = config.primitive()
+    assert (ours.observe, ours.noise, ours.environment_noise) == ("forcing", 0.5, 0.02)
+    assert ours.printed_environment_weights and ours.dmp.basis_functions == 7
+    default, core = CollaborationConfig(), InteractionPrimitiveConfig()
     for name in ("observe", "noise", "environment_noise", "printed_environment_weights"):
-        assert getattr(ours, name) == getattr(core, name)
-    assert ours.dmp.basis_functions == core.dmp.basis_functions
+        assert getattr(default, name) == getattr(core, name)
 
 
 # -- oracles --------------------------------------------------------------------------------------------------------

@@ -85,7 +85,6 @@ def test_what_colour_blind_readers_confuse_is_seen_as_close() -> None:
 
 
 def test_greys_stay_grey_to_everybody() -> None:
-    assert all(difference("#808080", "#808080", sight) == 0 for sight in SIGHTS)
     simulated = [SIGHTS[sight] @ linear("#808080") for sight in SIGHTS]
     np.testing.assert_allclose(simulated, [linear("#808080")] * 3, atol=1e-5)
 

@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from lfdcore.models import HEATMAPS, PRIMITIVES
+from lfdcore.progress import silent
 from lfdcore.study import demo
 from lfdcore.study.catalogue import load_study
 from lfdcore.study.compare import compare
-from lfdcore.study.study import as_document, silent
+from lfdcore.study.study import as_document
 
 FOLDER = Path(__file__).parent / "figures"
 QUICK = {"passing", "sequences"}

@@ -30,7 +30,7 @@ def test_72_runs_take_every_route_three_times_with_three_drivers_of_nine_runs_ea
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     jobs = planned(monkeypatch, demonstrate_in_mazes, 1)
-    who = [(job.course.name, job.make_driver.args[0]) for job in jobs]  # type: ignore[attr-defined]
+    who = [(job.course.name, job.make_driver.keywords["config"]) for job in jobs]  # type: ignore[attr-defined]
     assert len(who) == len(set(who)) == 72
     assert {name for name, _ in who} == {course.name for course in mazes()}
     drivers = able_population(8, 1)
@@ -46,7 +46,7 @@ def test_30_runs_in_the_home_are_of_10_drivers_to_30_destinations_and_share_no_s
     jobs = planned(monkeypatch, drive_to_destinations, 1)
     demonstrated = planned(monkeypatch, demonstrate_in_mazes, 1) + planned(monkeypatch, demonstrate_in_mazes, 2)
     assert len(jobs) == 30 and len({job.course.route.tobytes() for job in jobs}) == 30
-    drivers = [job.make_driver.args[0] for job in jobs]  # type: ignore[attr-defined]
+    drivers = [job.make_driver.keywords["config"] for job in jobs]  # type: ignore[attr-defined]
     assert len(set(drivers)) == 10 and not set(drivers) & set(able_population(8, 1))
     assert all(job.course.split == "test" for job in jobs)
     assert not {job.seed for job in jobs} & {job.seed for job in demonstrated}

@@ -76,12 +76,11 @@ def test_it_stops_when_the_validation_loss_no_longer_falls_and_keeps_the_best(pa
     assert found.curve[-1].epoch == found.best.epoch + 1
 
 
-def test_progress_grows_to_its_total_and_curves_are_reported_as_they_come(pairs):
-    reported, epochs = [], []
-    found = train_heatmap_net(pairs, SMALL, lambda done, total: reported.append((done, total)), epochs.append)
+def test_progress_grows_to_its_total(pairs):
+    reported = []
+    train_heatmap_net(pairs, SMALL, lambda done, total: reported.append((done, total)))
     done = [k for k, _ in reported]
     assert done == sorted(done) and reported[-1][0] == reported[-1][1]
-    assert tuple(epochs) == found.curve
 
 
 def test_a_loss_that_is_no_number_is_said(pairs):

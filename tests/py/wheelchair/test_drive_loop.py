@@ -42,7 +42,7 @@ class Breaking(Unassisted):
 
 
 def ticks(n: int) -> "list[Tick]":
-    """Collects n ticks; its `append` tells the loop when to end."""
+    """Collects n ticks; called with a tick, it says whether that was the last."""
 
     class Collected(list[Tick]):
         def __call__(self, tick: Tick) -> bool:

@@ -1,6 +1,5 @@
 """A model says how it plans and what it predicts: who asks need not know which methods there are."""
 
-import ast
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 import lfdcore
 from heatmap_drives import corridor_log
+from imports import imported_modules
 from lfdcore.errors import ModelError
 from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan
@@ -71,16 +71,10 @@ def test_the_naive_network_says_that_it_drives_nothing(model: MethodModel) -> No
 # -- a further method touches its own folder and one line -------------------------------------------------------------
 
 
-def imports(path: Path) -> set[str]:
-    """Modules of lfdcore that a file imports, also inside functions and for types."""
-    nodes = ast.walk(ast.parse(path.read_text()))
-    return {node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module is not None}
-
-
 def test_no_method_knows_another_and_only_the_list_of_models_knows_all() -> None:
     folders = {f"lfdcore.wheelchair.{name}": WHEELCHAIR / name for name in ("primitives", "heatmaps", "goals")}
     for path in WHEELCHAIR.rglob("*.py"):
-        known = {name for name in folders if any(one.startswith(name + ".") for one in imports(path))}
+        known = {name for name in folders if any((one + ".").startswith(name + ".") for one in imported_modules(path))}
         own = {name for name, folder in folders.items() if folder in path.parents}
         allowed = {"models.py": set(folders), "adaptive_assistant.py": {"lfdcore.wheelchair.heatmaps"}}
         assert known <= own | allowed.get(path.name, set()), f"{path} imports {sorted(known - own)}"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.geometry import wrap_angle
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import AbleConfig, able_population
@@ -27,7 +27,7 @@ from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import courses_by_name
 from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Study, silent
+from lfdcore.study.study import Option, Study
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant
 from lfdcore.wheelchair.heatmaps.joystick import JoystickModel
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from lfdcore.pictures.course import arm_name, course_figure
 from lfdcore.pictures.style import Picture
 from lfdcore.progress import StageProgress
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.backwards.study import AROUND, BackwardsStudy, backwards_course, run_backwards_study
-from lfdcore.study.driving.metrics import driving_metrics
+from lfdcore.study.driving.metrics import angular_jerk
 from lfdcore.study.report.cells import count_cell, mean_cell, share_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.table import Row, Table
@@ -32,7 +30,7 @@ def run_rows(traces: Sequence[DriveTrace]) -> list[dict[str, Any]]:
             "outcome": trace.outcome,
             "collisions": int(trace.collision.sum()),
             "time": float(trace.stamp[-1]),
-            "angular_jerk": driving_metrics(trace).angular_jerk,
+            "angular_jerk": angular_jerk(trace.twist[:, 1], trace.period),
             "along_path": float((trace.mode == "path").mean()),
             "rolling_back": float((trace.twist[:, 0] < 0).mean()),
         }
@@ -75,16 +73,16 @@ def backwards_table(traces: Sequence[DriveTrace]) -> Table:
 
 
 def _row(driver: str, arm: str, traces: Sequence[DriveTrace]) -> Row:
-    n = len(traces)
+    n, rows = len(traces), run_rows(traces)
     return (
         f"{driver}\n{arm_name(arm)}",
         str(n),
         share_cell(_arrived(traces), n),
         count_cell(_contacts(traces), n),
-        mean_cell([float(trace.stamp[-1]) for trace in traces if trace.completed], 0, with_sd=False),
-        mean_cell([driving_metrics(trace).angular_jerk for trace in traces], 2, with_sd=False),
-        mean_cell([float((trace.mode == "path").mean()) for trace in traces], 2, bounded=True, with_sd=False),
-        mean_cell([float(np.mean(trace.twist[:, 0] < 0)) for trace in traces], 2, bounded=True, with_sd=False),
+        mean_cell([row["time"] for row in rows if row["outcome"] == "completed"], 0, with_sd=False),
+        mean_cell([row["angular_jerk"] for row in rows], 2, with_sd=False),
+        mean_cell([row["along_path"] for row in rows], 2, bounded=True, with_sd=False),
+        mean_cell([row["rolling_back"] for row in rows], 2, bounded=True, with_sd=False),
     )
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.courses import Course, hall
 from lfdcore.simulated.drivers import AbleConfig, Driver, able_population, population
 from lfdcore.simulated.reversing_driver import ImpairedReversingDriver, ReversingConfig, ReversingDriver, facing_back
@@ -19,7 +19,7 @@ from lfdcore.simulation import LidarConfig
 from lfdcore.study.arms import StudyModels, make_assistant, require_known
 from lfdcore.study.demonstrations import HeatmapsFile, heatmaps_or_learned
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Study, silent
+from lfdcore.study.study import Option, Study
 from lfdcore.wheelchair.assistants import Assistant
 from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant
 

@@ -20,7 +20,6 @@ from lfdcore.study.covering.pictures import (
 from lfdcore.study.covering.study import METHODS, CoveringResult, CoveringStudy, run_covering_study
 from lfdcore.study.covering.tables import (
     aims,
-    aims_table,
     dial_table,
     forms_table,
     objects_table,
@@ -28,7 +27,9 @@ from lfdcore.study.covering.tables import (
     share_errors,
     shares_table,
 )
+from lfdcore.study.report.aims import aims_table
 from lfdcore.study.report.page import Section
+from lfdcore.study.report.table import Table
 from lfdcore.study.study import Findings
 
 SYNTHETIC = (
@@ -63,7 +64,7 @@ def covering_sections(result: CoveringResult) -> list[Section]:
     tall, wide = (result.of(protocol)[0] for protocol in result.study.protocols)
     seed = f"Seed {result.study.seed}."
     return [
-        Section("Covering furniture with a bag: does it help to look at the scene?", SYNTHETIC, [aims_table(result)]),
+        Section("Covering furniture with a bag: does it help to look at the scene?", SYNTHETIC, [_aims_table(result)]),
         Section(
             "Is the object covered?",
             "EaIP knows e: the object's height (protocol 5.6.1), or the height, width and place of its bounding box "
@@ -136,6 +137,11 @@ def figure_rows(result: CoveringResult) -> list[dict[str, object]]:
         row: dict[str, object] = {"seed": dial.seed, "informative": dial.informative, "personal": dial.personal}
         rows.append(row | {method: errors.tolist() for method, errors in dial.errors.items()})
     return rows
+
+
+def _aims_table(result: CoveringResult) -> Table:
+    seeds = result.study.all_seeds
+    return aims_table(f"Figures to reach (seeds {seeds[0]}..{seeds[-1]})", aims(result))
 
 
 def findings(result: CoveringResult) -> Findings:

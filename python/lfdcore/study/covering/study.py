@@ -21,7 +21,7 @@ from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
 from lfdcore.humanoid.covering import CoveringVerdict, covering_verdict
 from lfdcore.humanoid.scene import Box, box_of
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     GROUND_TRUTH,
@@ -35,8 +35,8 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Seed, Study, silent
-from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
+from lfdcore.study.study import Option, Seed, Study
+from lfdcore.training.collaborations import NoiseChoice, learn_collaboration, noise_factor
 
 Floats = NDArray[np.float64]
 
@@ -249,7 +249,7 @@ def _cases(data: CoveringData) -> list[_Case]:
 
 
 def _infer(model: CollaborationModel, one: InteractionRecording, seen: InteractionRecording) -> CollaborationInference:
-    return model.infer(seen, one.environment if model.environment_names else None)
+    return model.infer(seen, one.environment)
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ class _Job:
             self.seed,
             self.protocol,
             tuple(trials),
-            {key: _factor(model) for key, model in models.items()},
+            {key: noise_factor(model) for key, model in models.items()},
             {key: self._errors(model, cases) for key, model in models.items()},
             self._partners(models["positions", "EaIP"], data, cases),
             self._shown({method: models["positions", method] for method in METHODS}, data, cases),
@@ -377,8 +377,3 @@ def _mean_errors(
         errors[k] = [rmse(_position(_infer(model, case.one, observed(partner, s))), truth) for s in PARTNER_SHARES]
     mean: Floats = errors.mean(axis=0)
     return mean
-
-
-def _factor(model: CollaborationModel) -> float:
-    """The noise that cross-validation chose, over the fit's residual."""
-    return float(model.primitive.config.noise or 0.0) / float(model.metadata["noise_choice"][0][0])

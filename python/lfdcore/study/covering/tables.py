@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -293,17 +293,3 @@ def _partner_aims(result: CoveringResult) -> list[Aim]:
         label = f"another's partner makes EaIP worse at {100 * share:.0f} % [cm]"
         found.append(Aim(label, "> 0, p < .05", test.difference, 2, test.difference > 0 and test.p < 0.05))
     return found
-
-
-def aims_table(result: CoveringResult) -> Table:
-    """Figures to reach."""
-    rows = tuple((aim.label, aim.wanted, aim.as_text()) for aim in aims(result))
-    seeds = result.study.all_seeds
-    return Table(f"Figures to reach (seeds {seeds[0]}..{seeds[-1]})", ("", "wanted", "found"), rows)
-
-
-def covering_tables(result: CoveringResult) -> list[Table]:
-    """All tables, figures to reach first."""
-    objects = [objects_table(result, protocol) for protocol in result.study.protocols]
-    others: tuple[Callable[[CoveringResult], Table], ...] = (forms_table, shares_table, partner_table, dial_table)
-    return [aims_table(result), *objects, *(make(result) for make in others)]

@@ -15,6 +15,7 @@ from lfdcore.study.driving.tables import (
     seeds_of,
 )
 from lfdcore.study.report.aims import Aim
+from lfdcore.study.report.cells import figure_cell
 from lfdcore.study.report.statistics import (
     paired_ratio,
     summarise,
@@ -110,14 +111,17 @@ def headline(result: DrivingResult) -> str:
     text = "; ".join(_counts(result, name) for name in (*arms, *first))
     if first:
         jerks = "; ".join(_jerk_ratios(result, arm, named=len(arms) > 1) for arm in arms)
-        text += f". Angular jerk / unassisted: {jerks}".replace("nan", "-")
+        text += f". Angular jerk / unassisted: {jerks}"
     people = f"simulated impaired driver{'s' * (study.drivers != 1)}"
     return f"{text}. n = {study.drivers} {people} a course, {seeds_of(study)}."
 
 
 def _jerk_ratios(result: DrivingResult, arm: str, named: bool) -> str:
     labels = course_labels(result.plan.courses)
-    ratios = [f"{_ratio(result, name, arm, 'angular_jerk')[0]:.2f} ({label})" for name, label in labels.items()]
+    ratios = [
+        f"{figure_cell(_ratio(result, name, arm, 'angular_jerk')[0], digits=2)} ({label})"
+        for name, label in labels.items()
+    ]
     return (f"{arm_name(arm)} " if named else "") + ", ".join(ratios)
 
 

@@ -11,6 +11,7 @@ from scipy.signal import savgol_filter
 from lfdcore.geometry import arc_length, wrap_angle
 from lfdcore.simulated.trace import DriveTrace, Plan
 from lfdcore.wheelchair.observation import MOVING
+from lfdcore.wheelchair.paths import distance_to_polyline
 from lfdcore.wheelchair.planner import COMPLIANT_FROM, LOOK_AHEAD, Compliance
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ def steering_signal(stamp: Array, joystick: Array, period: float = ENTROPY_PERIO
 
 def distance(pose: Array) -> float:
     """Length [m] of the way through poses (T, 3)."""
-    return float(np.hypot(*np.diff(pose[:, :2], axis=0).T).sum())
+    return float(arc_length(pose[:, :2])[-1])
 
 
 def mean_free_speed(trace: DriveTrace) -> float:
@@ -174,15 +175,6 @@ class PlanUse:
     """(M,) [m] the same for the compliant path points beyond those: planned, agreed to, perhaps never reached"""
 
 
-def _nearest_on_polyline(points: Array, line: Array) -> Array:
-    """Distance [m] from each point (N, 2) to a polyline (M, 2), M >= 2 -> (N,)."""
-    a, d = line[:-1], np.diff(line, axis=0)
-    to = points[:, None] - a
-    share = np.einsum("nmk,mk->nm", to, d) / np.maximum((d**2).sum(1), 1e-12)
-    nearest = a + np.clip(share, 0, 1)[..., None] * d
-    return np.asarray(np.sqrt(((points[:, None] - nearest) ** 2).sum(2).min(1)))
-
-
 def _tracked_ticks(trace: DriveTrace, number: int) -> NDArray[np.intp]:
     """The ticks from a plan's making until the next plan, or until there is no path."""
     until = trace.plans[number + 1].stamp if number + 1 < len(trace.plans) else np.inf
@@ -209,7 +201,7 @@ def use_of_plan(trace: DriveTrace, number: int, horizon: float = 5.0) -> PlanUse
     compliant = min(passed + LOOK_AHEAD, float(way[-1]))
     driven = trace.pose[(trace.stamp >= plan.stamp - 1e-9) & (trace.stamp <= plan.stamp + horizon), :2]
     points = plan.path[way <= compliant + 1e-9]
-    off = _nearest_on_polyline(points, driven) if len(driven) > 1 else np.full(len(points), np.nan)
+    off = distance_to_polyline(points, driven) if len(driven) > 1 else np.full(len(points), np.nan)
     split = int((way <= passed + 1e-9).sum())
     return PlanUse(float(way[-1]), compliant, off[:split], off[split:])
 

@@ -64,7 +64,7 @@ class DrivingResult:
     plan: DrivingPlan
     traces: tuple[DriveTrace, ...]
     rows: tuple[dict[str, Any], ...]
-    """one a trace: course, driver (its number), assistant, seed, outcome and all metrics by name"""
+    """one a trace: course, assistant, seed, outcome and all metrics by name"""
 
     @property
     def nbytes(self) -> int:
@@ -102,7 +102,7 @@ def metric_rows(traces: Iterable[DriveTrace], compliance: Mapping[str, Complianc
     }
     rows = []
     for trace in traces:
-        row = {"course": trace.course, "driver": trace.seed, "assistant": trace.assistant, "seed": trace.seed}
+        row = {"course": trace.course, "assistant": trace.assistant, "seed": trace.seed}
         row |= {"outcome": trace.outcome, **asdict(driving_metrics(trace, baseline.get((trace.course, trace.seed))))}
         if trace.plans:
             row |= asdict(framework_metrics(trace, compliance[trace.assistant]))

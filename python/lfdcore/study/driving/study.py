@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.arms import ARMS, METHODS, StudyModels, courses_by_name, models_by_method, require_arms
 from lfdcore.study.demonstrations import (
     demonstration_paths,
@@ -16,7 +16,7 @@ from lfdcore.study.demonstrations import (
 )
 from lfdcore.study.driving.plan import DrivingPlan, DrivingResult, run_driving_plan
 from lfdcore.study.driving.tasks import TaskPlan, TaskResult, run_task_plan
-from lfdcore.study.study import Option, Study, silent, under
+from lfdcore.study.study import Option, Study, under
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from lfdcore.simulated.drivers import ImpairedConfig, population
 from lfdcore.simulated.run import Job, RunConfig
 from lfdcore.simulated.task_driver import DOCKING_SPEED, TaskDriver
 from lfdcore.simulated.trace import DriveTrace
-from lfdcore.study.arms import ARMS, StudyModels, make_assistant, require_arms, require_once
+from lfdcore.study.arms import ARMS, StudyModels, make_assistant, require_arms, require_known
 from lfdcore.study.driving.metrics import reversals, stuck_time
 from lfdcore.study.jobs import run_jobs
 
@@ -50,10 +50,7 @@ class TaskPlan:
 
     def __post_init__(self) -> None:
         require_arms(self.arms)
-        require_once("task", self.tasks)
-        for name in self.tasks:
-            if name not in TASKS:
-                raise ValueError(f"task is '{name}', must be one of {', '.join(TASKS)}")
+        require_known("task", self.tasks, tuple(TASKS))
 
     def made(self, name: str) -> list[Task]:
         """The task's starts."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lfdcore.estimation import ActionModel
 from lfdcore.geometry import Pose2, wrap_angle
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.courses import GoalWorld, goal_building, goals_in_map
 from lfdcore.study.goals.drives import SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.evaluation import (
@@ -24,7 +24,7 @@ from lfdcore.study.goals.evaluation import (
     confidence_time,
 )
 from lfdcore.study.preset import Preset
-from lfdcore.study.study import Option, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study
 from lfdcore.training.goals import (
     GoalLearningConfig,
     KernelLikelihood,

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from lfdcore.geometry import arc_length
 from lfdcore.study.goals.drives import GoalDrives
 from lfdcore.study.goals.evaluation import BASELINES, Accuracy, agreement
 from lfdcore.study.goals.study import FILTERED, NOISE, TRIALS, GoalResult, NoiseTrial
@@ -72,7 +73,7 @@ def drives_table(drives: GoalDrives) -> Table:
 def _drives_row(drives: GoalDrives, name: str) -> Row:
     mine = [trace for trace, goal in zip(drives.traces, drives.destinations, strict=True) if goal == name]
     times = [len(trace.stamp) * trace.period for trace in mine]
-    ways = [float(np.hypot(*np.diff(trace.pose[:, :2], axis=0).T).sum()) for trace in mine]
+    ways = [float(arc_length(trace.pose[:, :2])[-1]) for trace in mine]
     seconds = (figure_cell(value, digits=1) for value in (float(np.mean(times)), min(times), max(times)))
     contacts, arrived = sum(int(trace.collision.sum()) for trace in mine), sum(trace.completed for trace in mine)
     return (name, str(len(mine)), *seconds, figure_cell(float(np.mean(ways)), digits=1), str(arrived), str(contacts))

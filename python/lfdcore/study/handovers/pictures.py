@@ -7,22 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lfdcore.pictures.style import (
-    BASELINE,
-    BLUE,
-    GREEN,
-    INK,
-    METHOD_COLOURS,
     PAGE,
-    PURPLE,
     RULE,
-    SKY,
-    VERMILLION,
+    TOGETHER,
     styled,
 )
 from lfdcore.study.handovers.study import LIKELIEST, MEASURES, METHODS, NEAREST, SHARES, WARPED, TaskErrors
 from lfdcore.study.handovers.tables import caption, intervals
 
-COLOURS = (BLUE, PURPLE, SKY, METHOD_COLOURS["IP"], BASELINE, VERMILLION, GREEN, INK)
+COLOURS = TOGETHER["methods of handovers"]
 """of METHODS"""
 
 

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationInference, CollaborationModel
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.handovers.tasks import HandoverTask, hand_columns, handover_tasks, position_columns
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Study, silent
-from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
+from lfdcore.study.study import Option, Study
+from lfdcore.training.collaborations import NoiseChoice, learn_collaboration, noise_factor
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -219,7 +219,7 @@ class _Methods:
         plain = CollaborationConfig(environment=False, steps=STEPS)
         forcing = replace(plain, observe="forcing", phase="warped")
         self.learned = [learn_collaboration(demonstrations, config, NOISE) for config in (plain, forcing)]
-        self.factors = (_factor(self.learned[0]), _factor(self.learned[1]))
+        self.factors = (noise_factor(self.learned[0]), noise_factor(self.learned[1]))
         placed = replace(plain, environment=True, noise=self.learned[0].primitive.config.noise)
         self.placed = CollaborationModel.fit([with_place(one) for one in demonstrations], placed)
         self.warped = CollaborationModel.fit(demonstrations, replace(placed, environment=False, phase="warped"))
@@ -250,12 +250,6 @@ class _Methods:
 
     def _taken(self, said: CollaborationInference) -> Array:
         return said.robot_motion()[:, self.hands]
-
-
-def _factor(model: CollaborationModel) -> float:
-    """Which of NOISE.factors was chosen."""
-    rows = model.metadata["noise_choice"]
-    return float(NOISE.factors[int(np.argmin([error for _, error in rows]))])
 
 
 def judge_handovers(

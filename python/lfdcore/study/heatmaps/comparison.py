@@ -26,7 +26,7 @@ from lfdcore.datasets.motion import way_ahead
 from lfdcore.geometry import arc_length
 from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.planning import DppSolver, GridMdp, QLearningSolver
-from lfdcore.progress import Progress, StageProgress
+from lfdcore.progress import Progress, StageProgress, silent
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
@@ -98,7 +98,7 @@ def _loaded(files: ModelFiles) -> ComparedModels:
 
 def learn_rival_primitives(folder: Path, logs: Sequence[DriveLog], progress: StageProgress | None = None) -> Path:
     """Learns primitives from the demonstrations of heatmaps -> their file in `folder` (8 s for the 72 maze runs)."""
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     path = folder / "primitives.safetensors"
     learn_drive(first_share(logs), progress=partial(tell, "primitives")).save(path)
     return path

@@ -13,7 +13,7 @@ from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.grid import OccupancyGrid
 from lfdcore.pictures.heatmap_stages import heatmap_figures
 from lfdcore.pictures.style import Picture
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.courses import home_20x19
 from lfdcore.study.demonstrations import RecordedDrives, drive_to_destinations
 from lfdcore.study.heatmaps.calibration import REACH, CalibrationCheck, check_calibration, judged_cells
@@ -208,7 +208,7 @@ def a_posteriori_sections(
 ) -> list[Section]:
     """All of it: 30 drives to destinations, recorded in `folder`; their comparison; the stages; and the calibration,
     if the model says which of its `demonstrations` (all its logs, in their order) were held out."""
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     drives = drive_to_destinations(folder, seed, processes=processes, progress=partial(tell, "drive to destinations"))
     comparison = compare_on_logs(drives.paths, files, None, partial(tell, "compare"), processes)
     models, logs = files.load(), [open_log(path) for path in drives.paths]

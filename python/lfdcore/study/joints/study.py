@@ -25,7 +25,7 @@ from lfdcore.humanoid.collaboration import CollaborationInference, Collaboration
 from lfdcore.humanoid.covering import covering_verdict
 from lfdcore.humanoid.scene import Box, box_of
 from lfdcore.kinematics import FollowConfig, KinematicChain, RobotModel
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.covering import (
     BOUNDING_BOX,
     PERIOD,
@@ -37,7 +37,7 @@ from lfdcore.simulated.covering import (
     covering_data,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Seed, Study, silent
+from lfdcore.study.study import Option, Seed, Study
 from lfdcore.training.collaborations import NoiseChoice, learn_collaboration
 
 Floats = NDArray[np.float64]

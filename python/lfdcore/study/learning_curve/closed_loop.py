@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.courses import home_20x19
 from lfdcore.simulated.drivers import ImpairedDriver, population
 from lfdcore.simulated.run import Job
@@ -17,7 +17,6 @@ from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.learning_curve.models import model_files
 from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
-from lfdcore.study.study import silent
 
 _SEEDS, _FIRST_WAY = 1000, 600
 """Way and noise of driver k are of seed 1000 `seed` + 600 + k, which no demonstration and no other run has."""

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lfdcore.datasets import DriveLog, open_log
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.arms import StudyModels
 from lfdcore.study.demonstrations import demonstrate_in_mazes
 from lfdcore.study.learning_curve.study import METHODS, LearningCurveStudy
-from lfdcore.study.study import silent
 from lfdcore.training.drive_primitives import first_share, learn_drive
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from lfdcore.datasets import DriveLog, open_log
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.demonstrations import drive_to_destinations
 from lfdcore.study.learning_curve.models import model_files, models_folder
 from lfdcore.study.learning_curve.study import METHODS, LearningCurveStudy
@@ -27,7 +27,6 @@ from lfdcore.study.prediction.path_error import (
     straight,
 )
 from lfdcore.study.prediction.study import ARC_ON, STRAIGHT, predicted_paths
-from lfdcore.study.study import silent
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.prediction import ProductPredictor
 from lfdcore.wheelchair.method import Predictor

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lfdcore.pictures.style import Picture
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.learning_curve.closed_loop import closed_loop_rows
 from lfdcore.study.learning_curve.curve import CurvePoint, LearningCurve
 from lfdcore.study.learning_curve.models import learn_curve_models
@@ -18,7 +18,7 @@ from lfdcore.study.report.cells import count_cell, share_cell, summary_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import Summary
 from lfdcore.study.report.table import Row, Table
-from lfdcore.study.study import Findings, silent
+from lfdcore.study.study import Findings
 
 TITLE = "How much demonstration is enough"
 

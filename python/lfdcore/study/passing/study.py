@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.collaboration import CollaborationConfig, CollaborationModel
 from lfdcore.primitives import InteractionPosterior
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.passing import (
     DEMONSTRATIONS,
     NOVEL,
@@ -33,8 +33,8 @@ from lfdcore.simulated.passing import (
     passing_verdict,
 )
 from lfdcore.study.jobs import run_jobs
-from lfdcore.study.study import Option, Seed, Study, silent
-from lfdcore.training.collaborations import learn_collaboration
+from lfdcore.study.study import Option, Seed, Study
+from lfdcore.training.collaborations import learn_collaboration, noise_factor
 
 Floats = NDArray[np.float64]
 Samples = tuple[InteractionRecording, ...]
@@ -195,7 +195,7 @@ class _Job:
         shape = (len(ARMS), len(AXES), len(self.study.lengths), len(RECTANGLES), self.study.demonstrations)
         distance, own, passed = np.moveaxis(judged, -1, 0).reshape(3, *shape)
         floor = np.array([distance_to_samples(case.person.partner, case.others) for case in cases])
-        factor = np.array([_factor(models[arm.config]) for arm in ARMS])
+        factor = np.array([noise_factor(models[arm.config]) for arm in ARMS])
         return _Run((distance, own, passed), floor.reshape(len(RECTANGLES), -1).mean(axis=1), factor)
 
 
@@ -225,12 +225,6 @@ def _verdict(
     path = path_of(completed(model, case.person, length, seen, arm.phase_known))
     own = dtw_per_sample(path, case.person.partner)
     return distance_to_samples(path, case.others), own, passing_verdict(path, case.rectangle).passed
-
-
-def _factor(model: CollaborationModel) -> float:
-    """Of the noise in use over the fit's residual, which is the first that was tried; 1 where there was no choice."""
-    tried = model.metadata.get("noise_choice")
-    return float(model.primitive.config.noise or 0) / tried[0][0] if tried else 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.lasa import Handwriting, read_all_handwriting
 from lfdcore.primitives import SequenceHmm
-from lfdcore.progress import StageProgress
+from lfdcore.progress import StageProgress, silent
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.report.statistics import block_bootstrap
-from lfdcore.study.study import Option, Study, silent
+from lfdcore.study.study import Option, Study
 
 Array = NDArray[np.float64]
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)

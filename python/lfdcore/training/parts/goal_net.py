@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 from lfdcore.wheelchair.goals.network import GoalNetwork, network_inputs
 from lfdcore.wheelchair.goals.samples import GoalSamples, Heading
 
@@ -49,7 +49,7 @@ def train_goal_network(
     """
     import torch
 
-    config, tell = config or GoalNetConfig(), progress or (lambda done, total: None)
+    config, tell = config or GoalNetConfig(), progress or silent
     missing = sorted(set(range(goals)) - set(samples.goal.tolist()))
     if missing:
         raise ValueError(f"no drive goes to goal {missing[0] + 1} of {goals}, each must have at least one")

@@ -22,7 +22,7 @@ import dataclasses
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -35,7 +35,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 from lfdcore.training.parts.heatmap_targets import HeatmapPairs
 from lfdcore.wheelchair.heatmaps.sensor import INPUT, METADATA_KEY, OUTPUT, VERSION, naive_images
 from lfdcore.wheelchair.window import CELLS, RESOLUTION
@@ -143,7 +143,6 @@ def train_heatmap_net(
     pairs: HeatmapPairs,
     config: HeatmapNetConfig | None = None,
     progress: Progress | None = None,
-    on_epoch: Callable[[EpochLoss], None] | None = None,
     validation: Mask | None = None,
 ) -> TrainedHeatmapNet:
     """Trains until the validation loss has not fallen for `patience` epochs and keeps the best one.
@@ -161,7 +160,7 @@ def train_heatmap_net(
         net = HeatmapNet(config.width)
         # a quarter faster on CPUs
         net.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-        curve, best = _Training(net, pairs, config, progress, on_epoch).run(~held_out, held_out)
+        curve, best = _Training(net, pairs, config, progress).run(~held_out, held_out)
     net.eval()
     model = export_onnx(net, config.kind, {"config": dataclasses.asdict(config), "data_hash": _hash(pairs)})
     return TrainedHeatmapNet(model, curve, best, held_out, time.perf_counter() - started, net)
@@ -209,10 +208,9 @@ class _Training:
         pairs: HeatmapPairs,
         config: HeatmapNetConfig,
         progress: Progress | None,
-        on_epoch: Callable[[EpochLoss], None] | None,
     ) -> None:
         self.net, self.pairs, self.config = net, pairs, config
-        self.progress, self.on_epoch = progress or (lambda done, total: None), on_epoch or (lambda epoch: None)
+        self.progress = progress or silent
         self.rng = np.random.default_rng(config.seed)
 
     def run(self, train: Mask, held_out: Mask) -> tuple[tuple[EpochLoss, ...], EpochLoss]:
@@ -227,7 +225,6 @@ class _Training:
         for epoch in range(1, config.epochs + 1):
             loss = self._epoch(self.rng.permutation(kept), optimiser, schedule, (epoch - 1) * steps, total)
             curve.append(EpochLoss(epoch, loss, self._loss(np.flatnonzero(held_out))))
-            self.on_epoch(curve[-1])
             if best is None or curve[-1].validation < best.validation:
                 best, state = curve[-1], {name: value.clone() for name, value in self.net.state_dict().items()}
             elif epoch - best.epoch >= config.patience:

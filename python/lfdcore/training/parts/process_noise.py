@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.progress import Progress
+from lfdcore.progress import Progress, silent
 from lfdcore.wheelchair.goals.model import GoalModel, LeftOutFigures
 from lfdcore.wheelchair.goals.samples import GoalSamples
 from lfdcore.wheelchair.goals.track import BeliefTrack, track_beliefs
@@ -24,7 +24,7 @@ def leave_drives_out(
 ) -> list[LeftOutFigures]:
     """Each fold leaves a drive to every destination out that has two or more; `learn` makes a model of the rest.
     A row a candidate, in order; none where no destination has two drives."""
-    tell = progress or (lambda done, total: None)
+    tell = progress or silent
     found: list[list[tuple[GoalSamples, BeliefTrack, NDArray[np.float64]]]] = [[] for _ in candidates]
     number, spare = _drive_numbers(samples)
     folds = min(folds, int(number.max()) + 1) if spare.any() else 0

@@ -28,7 +28,7 @@ from lfdcore.study.covering.study import (
     run_covering_study,
     shuffled_partners,
 )
-from lfdcore.study.covering.tables import aims, covering_tables, reached_at
+from lfdcore.study.covering.tables import aims, reached_at
 from lfdcore.study.study import write_study
 from lfdcore.training.collaborations import NoiseChoice
 
@@ -146,7 +146,7 @@ def test_the_report_says_that_it_is_synthetic_and_has_every_picture(result: Cove
 
 
 def test_tables_name_n_and_the_headline_counts_successes(result: CoveringResult) -> None:
-    text = "\n".join(table.as_text() for table in covering_tables(result))
+    text = "\n".join(table.as_text() for table in findings(result).tables)
     assert "n = 2 an object: 1 unseen people x 2 seeds" in text
     assert "EaIP 8 of 8 (protocol 5.6.1)" in covering_headline(result)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import Goals, write_map
+from lfdcore.progress import silent
 from lfdcore.simulated.courses import goal_building, goals_in_map
 from lfdcore.study.goals.drives import (
     RUNS_EACH,
@@ -40,7 +41,7 @@ from lfdcore.study.goals.tables import (
     time_table,
 )
 from lfdcore.study.preset import Preset
-from lfdcore.study.study import default_of, silent, write_study
+from lfdcore.study.study import default_of, write_study
 from lfdcore.training.goals import GoalLearningConfig
 from lfdcore.training.parts.goal_net import GoalNetConfig
 from lfdcore.wheelchair.goals.model import GoalModel
