@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -18,6 +19,10 @@ Result_co = TypeVar("Result_co", covariant=True)
 
 ENDING = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 """Signals that end a program"""
+
+LEAVES_THE_PIPE_OPEN = sys.version_info < (3, 11, 5)
+"""A pool whose workers are ended goes on writing a job into a pipe that nobody reads, for ever (Python's issue 94777).
+Later versions close it in a thread of theirs: to close it here as well would close a descriptor twice."""
 
 
 class Runnable(Protocol[Result_co]):
@@ -69,8 +74,7 @@ def _end(pool: ProcessPoolExecutor, workers: set[BaseProcess]) -> None:
     for process in workers:
         process.terminate()
     queue = getattr(pool, "_call_queue", None)
-    if queue is not None:
-        # Python before 3.11.5 goes on writing a job into a pipe that nobody reads, for ever (its issue 94777)
+    if queue is not None and LEAVES_THE_PIPE_OPEN:
         queue._reader.close()
     pool.shutdown(cancel_futures=True)
 
