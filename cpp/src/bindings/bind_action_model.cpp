@@ -13,6 +13,7 @@
 #include "lfdcore/estimation/belief_update.hpp"
 #include "lfdcore/estimation/intention_filter.hpp"
 #include "lfdcore/estimation/sparse_subset.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
@@ -40,11 +41,7 @@ Belief belief_of(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance)
   return belief;
 }
 
-// A filter has one belief: calls from several threads wait for each other.
-struct SharedFilter {
-  IntentionFilter filter;
-  std::mutex busy{};
-};
+using SharedFilter = Shared<IntentionFilter>;
 
 void bind_kernel(py::module_& m) {
   py::class_<ActionKernel>(m, "ActionKernel",
@@ -195,7 +192,7 @@ void bind_filter(py::module_& m) {
             const auto at = view(state), taken = view(action);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return Belief(self.filter.update(at, taken));
+            return Belief(self.value.update(at, taken));
           },
           py::arg("state"), py::arg("action"),
           "The action (Da,) taken at state (Dx,) -> the new belief. ValueError, and the belief stays as it was, for "
@@ -205,18 +202,18 @@ void bind_filter(py::module_& m) {
           [](SharedFilter& self) {
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            self.filter.reset();
+            self.value.reset();
           },
           "Back to the prior.")
       .def_property_readonly("belief",
                              [](SharedFilter& self) {
                                const py::gil_scoped_release free;
                                const std::lock_guard lock(self.busy);
-                               return Belief(self.filter.belief());
+                               return Belief(self.value.belief());
                              })
-      .def_property_readonly("model", [](const SharedFilter& self) { return self.filter.model(); })
+      .def_property_readonly("model", [](const SharedFilter& self) { return self.value.model(); })
       .def_property_readonly(
-          "process_noise", [](const SharedFilter& self) { return self.filter.process_noise(); }, "[m^2]");
+          "process_noise", [](const SharedFilter& self) { return self.value.process_noise(); }, "[m^2]");
 }
 
 void bind_subset(py::module_& m) {

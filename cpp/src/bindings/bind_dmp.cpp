@@ -5,6 +5,7 @@
 #include "fields.hpp"
 #include "lfdcore/primitives/dmp.hpp"
 #include "observed.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
@@ -16,16 +17,12 @@ DmpRun run_of(double rate, double phase, OptionalVector position, OptionalVector
   return {rate, phase, std::move(position), std::move(velocity), duration};
 }
 
-// A stepper has one state: calls from several threads wait for each other.
-struct SharedStepper {
-  DmpStepper stepper;
-  std::mutex busy{};
-};
+using SharedStepper = Shared<DmpStepper>;
 
 template <auto Get>
 auto locked(const SharedStepper& self) {
-  const std::lock_guard lock(const_cast<std::mutex&>(self.busy));
-  return std::decay_t<decltype((self.stepper.*Get)())>((self.stepper.*Get)());
+  const std::lock_guard lock(self.busy);
+  return std::decay_t<decltype((self.value.*Get)())>((self.value.*Get)());
 }
 
 void bind_config(py::module_& m) {
@@ -56,14 +53,13 @@ void bind_trajectory(py::module_& m) {
 }
 
 void bind_stepper(py::module_& m) {
-  using Shared = SharedStepper;
-  py::class_<Shared>(m, "DmpStepper", "A motion that is run step by step (Dmp.begin).")
+  py::class_<SharedStepper>(m, "DmpStepper", "A motion that is run step by step (Dmp.begin).")
       .def(
           "step",
-          [](Shared& self, double dt) {
+          [](SharedStepper& self, double dt) {
             const std::lock_guard lock(self.busy);
-            self.stepper.step(dt);
-            return Eigen::VectorXd(self.stepper.position());
+            self.value.step(dt);
+            return Eigen::VectorXd(self.value.position());
           },
           py::arg("dt"), without_gil(),
           "Advances by dt >= 0 [s], exact up to 1e-9 of the range whatever dt is -> position (D,). ValueError for dt * "
@@ -73,16 +69,16 @@ void bind_stepper(py::module_& m) {
       .def_property_readonly("phase", &locked<&DmpStepper::phase>, "x; below exp(-alpha_x) the motion is over")
       .def_property(
           "goal", &locked<&DmpStepper::goal>,
-          [](Shared& self, const Eigen::VectorXd& goal) {
+          [](SharedStepper& self, const Eigen::VectorXd& goal) {
             const std::lock_guard lock(self.busy);
-            self.stepper.set_goal(goal);
+            self.value.set_goal(goal);
           },
           "(D,); may be set on the run, position and velocity stay continuous. ValueError unless finite.")
       .def_property(
           "rate", &locked<&DmpStepper::rate>,
-          [](Shared& self, double rate) {
+          [](SharedStepper& self, double rate) {
             const std::lock_guard lock(self.busy);
-            self.stepper.set_rate(rate);
+            self.value.set_rate(rate);
           },
           "tau [1/s]; may be set on the run, position and velocity stay continuous. ValueError unless > 0.");
 }

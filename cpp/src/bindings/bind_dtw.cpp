@@ -5,15 +5,12 @@
 #include "common.hpp"
 #include "lfdcore/primitives/dtw.hpp"
 #include "lfdcore/primitives/open_end_dtw.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
 
-// It has one state: calls from several threads wait for each other.
-struct SharedDtw {
-  OpenEndDtw dtw;
-  std::mutex busy{};
-};
+using SharedDtw = Shared<OpenEndDtw>;
 
 void bind_offline(py::module_& m) {
   py::class_<DtwResult>(m, "DtwResult", "An alignment of two series of m and n samples.")
@@ -60,7 +57,7 @@ void bind_open_end(py::module_& m) {
             const auto at = view(sample);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return self.dtw.observe(at);
+            return self.value.observe(at);
           },
           py::arg("sample"),
           "The next sample (D,) in O(n D). NaN in a dimension: not seen; the distance over the others is scaled by "
@@ -70,12 +67,12 @@ void bind_open_end(py::module_& m) {
           "reset",
           [](SharedDtw& self) {
             const std::lock_guard lock(self.busy);
-            self.dtw.reset();
+            self.value.reset();
           },
           "Forgets all samples.")
       .def_property_readonly(
-          "dimensions", [](const SharedDtw& self) { return self.dtw.dimensions(); }, "D")
-      .def("__len__", [](const SharedDtw& self) { return self.dtw.size(); });
+          "dimensions", [](const SharedDtw& self) { return self.value.dimensions(); }, "D")
+      .def("__len__", [](const SharedDtw& self) { return self.value.size(); });
   m.def(
       "open_end_dtw",
       [](const Doubles& query, const Doubles& reference) {

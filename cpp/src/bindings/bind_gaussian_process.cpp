@@ -11,6 +11,7 @@
 #include "lfdcore/estimation/gaussian_process.hpp"
 #include "lfdcore/estimation/gaussian_process_likelihood.hpp"
 #include "lfdcore/estimation/kernel.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
@@ -31,11 +32,18 @@ std::string name_of(KernelFamily family) {
   return "";
 }
 
-// A likelihood has one workspace: calls from several threads wait for each other.
-struct SharedLikelihood {
-  GaussianProcessLikelihood likelihood;
-  std::mutex busy{};
+}  // namespace
+
+template <>
+struct Seen<KernelFamily> {
+  using Type = std::string;
+  static std::string to_python(KernelFamily family) { return name_of(family); }
+  static KernelFamily from_python(const char*, const std::string& name) { return family_of(name); }
 };
+
+namespace {
+
+using SharedLikelihood = Shared<GaussianProcessLikelihood>;
 
 void bind_kernel(py::module_& m) {
   py::class_<Kernel>(m, "Kernel",
@@ -54,11 +62,8 @@ void bind_kernel(py::module_& m) {
       .def_property_readonly("family", [](const Kernel& k) { return name_of(k.family); })
       .def("covariance", &covariance, py::arg("a"), py::arg("b"), without_gil(),
            "Inputs (N, D), (M, D) -> (N, M). ValueError for another D.")
-      .def(py::pickle([](const Kernel& k) { return py::make_tuple(k.amplitude, k.lengthscales, name_of(k.family)); },
-                      [](const py::tuple& t) {
-                        return Kernel{family_of(t[2].cast<std::string>()), t[0].cast<double>(),
-                                      t[1].cast<Eigen::VectorXd>()};
-                      }));
+      .def(pickled_by_name(Field("family", &Kernel::family), Field("amplitude", &Kernel::amplitude),
+                           Field("lengthscales", &Kernel::lengthscales)));
 }
 
 void bind_regression(py::module_& m) {
@@ -112,7 +117,7 @@ void bind_likelihood(py::module_& m) {
             const auto at = view(log_parameters);
             py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return self.likelihood.evaluate(at, give_up_below);
+            return self.value.evaluate(at, give_up_below);
           },
           py::arg("log_parameters"), py::arg("give_up_below") = nothing,
           "log_parameters (D + 2,) -> log p(Y | X) with K + diag(noise_variances + noise^2) (ERRATA 33); -inf where "
@@ -126,7 +131,7 @@ void bind_likelihood(py::module_& m) {
             {
               py::gil_scoped_release free;
               const std::lock_guard lock(self.busy);
-              value = self.likelihood.evaluate_with_gradient(at, {derivatives.data(), at.size()});
+              value = self.value.evaluate_with_gradient(at, {derivatives.data(), at.size()});
             }
             return std::pair(value, derivatives);
           },
@@ -136,13 +141,13 @@ void bind_likelihood(py::module_& m) {
           [](SharedLikelihood& self, const RowMatrix& bounds, const DifferentialEvolutionConfig& config) {
             py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return maximise_likelihood(self.likelihood, bounds, config);
+            return maximise_likelihood(self.value, bounds, config);
           },
           py::arg("bounds"), py::arg("config") = DifferentialEvolutionConfig{},
           "Differential evolution over bounds (D + 2, 2) of the log parameters; the result's value is the likelihood.")
       .def_property_readonly(
-          "dimensions", [](const SharedLikelihood& s) { return s.likelihood.dimensions(); }, "D")
-      .def("__len__", [](const SharedLikelihood& s) { return s.likelihood.size(); });
+          "dimensions", [](const SharedLikelihood& s) { return s.value.dimensions(); }, "D")
+      .def("__len__", [](const SharedLikelihood& s) { return s.value.size(); });
 }
 
 void bind_evolution(py::module_& m) {

@@ -5,6 +5,7 @@
 #include "common.hpp"
 #include "lfdcore/primitives/interaction_primitive.hpp"
 #include "observed.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
@@ -13,11 +14,7 @@ using Config = InteractionPrimitiveConfig;
 using OptionalVector = std::optional<Eigen::VectorXd>;
 using OptionalSeries = std::optional<RowMatrix>;
 
-// An observer has one state: calls from several threads wait for each other.
-struct SharedObserver {
-  InteractionObserver observer;
-  std::mutex busy{};
-};
+using SharedObserver = Shared<InteractionObserver>;
 
 // (A, B, C) of what lies row after row in `values`, which `owner` keeps alive.
 py::array cube(const double* values, Eigen::Index a, Eigen::Index b, Eigen::Index c, py::handle owner) {
@@ -95,7 +92,7 @@ void bind_observer(py::module_& m) {
           "observe",
           [](SharedObserver& self, double phase, const Eigen::VectorXd& values) {
             const std::lock_guard lock(self.busy);
-            self.observer.observe(phase, values);
+            self.value.observe(phase, values);
           },
           py::arg("phase"), py::arg("values"), without_gil(),
           "The partner's forcing (n,), as partner_forcing gives it, or positions (n,), as the config says, at a phase "
@@ -104,7 +101,7 @@ void bind_observer(py::module_& m) {
           "posterior",
           [](SharedObserver& self) {
             const std::lock_guard lock(self.busy);
-            return self.observer.posterior();
+            return self.value.posterior();
           },
           without_gil(), "The same as condition() gives for all that was observed.");
 }

@@ -4,17 +4,14 @@
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/primitives/phase_estimator.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
 
 using Config = PhaseEstimatorConfig;
 
-// It has one state: calls from several threads wait for each other.
-struct SharedEstimator {
-  PhaseEstimator estimator;
-  std::mutex busy{};
-};
+using SharedEstimator = Shared<PhaseEstimator>;
 
 void bind_config(py::module_& m) {
   bind_settings(
@@ -60,7 +57,7 @@ void bind_estimator(py::module_& m) {
             const auto at = view(sample);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return PartnerPhase(self.estimator.observe(stamp, at));
+            return PartnerPhase(self.value.observe(stamp, at));
           },
           py::arg("stamp"), py::arg("sample"),
           "The partner's sample (D,) at stamp [s]; NaN as in OpenEndDtw: one without any seen dimension changes "
@@ -70,15 +67,15 @@ void bind_estimator(py::module_& m) {
           "reset",
           [](SharedEstimator& self) {
             const std::lock_guard lock(self.busy);
-            self.estimator.reset();
+            self.value.reset();
           },
           "Forgets all samples.")
-      .def_property_readonly("config", [](const SharedEstimator& self) { return self.estimator.config(); })
+      .def_property_readonly("config", [](const SharedEstimator& self) { return self.value.config(); })
       .def_property_readonly(
-          "duration", [](const SharedEstimator& self) { return self.estimator.duration(); }, "[s]")
+          "duration", [](const SharedEstimator& self) { return self.value.duration(); }, "[s]")
       .def_property_readonly(
-          "dimensions", [](const SharedEstimator& self) { return self.estimator.dimensions(); }, "D")
-      .def("__len__", [](const SharedEstimator& self) { return self.estimator.size(); });
+          "dimensions", [](const SharedEstimator& self) { return self.value.dimensions(); }, "D")
+      .def("__len__", [](const SharedEstimator& self) { return self.value.size(); });
 }
 
 }  // namespace

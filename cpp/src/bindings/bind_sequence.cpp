@@ -5,17 +5,14 @@
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/primitives/sequence.hpp"
+#include "shared.hpp"
 
 namespace lfdcore {
 namespace {
 
 using Config = SequenceConfig;
 
-// A filter has one state: calls from several threads wait for each other.
-struct SharedHmm {
-  SequenceHmm hmm;
-  std::mutex busy{};
-};
+using SharedHmm = Shared<SequenceHmm>;
 
 void bind_config(py::module_& m) {
   bind_settings(m, "SequenceConfig",
@@ -56,16 +53,16 @@ void bind_values(py::module_& m) {
       .def_readonly("log_likelihood", &SequenceBelief::log_likelihood, "ln p(all samples so far)");
 }
 
-void bind_hmm(py::module_& m) {
+py::class_<SharedHmm> bind_learning(py::module_& m) {
   const auto shared = [](SequenceHmm hmm) { return std::make_unique<SharedHmm>(std::move(hmm)); };
-  py::class_<SharedHmm>(
+  py::class_<SharedHmm> type(
       m, "SequenceHmm",
       "Which task a partner has begun (Sec. 6.2.2): a hidden Markov model, left to right through the phase steps of "
       "each primitive. A sample advances by 0 with probability `pause`, else by a Poisson number of steps, S - 1 in "
       "`samples` samples on average; the last step holds until it is left. Samples are diagonal Gaussians around a "
       "step's mean; in 'none of them' they have a constant density. Forward filter in log space. Positions and their "
-      "differences from the sample before, side by side, tell tasks apart sooner than positions.")
-      .def(py::init([=](std::vector<SequencePrimitive> primitives, Eigen::VectorXd background_density,
+      "differences from the sample before, side by side, tell tasks apart sooner than positions.");
+  type.def(py::init([=](std::vector<SequencePrimitive> primitives, Eigen::VectorXd background_density,
                         const Config& config) {
              return shared(SequenceHmm(std::move(primitives), std::move(background_density), config));
            }),
@@ -82,14 +79,18 @@ void bind_hmm(py::module_& m) {
           "From demonstrations[p], each (T, D) with T >= 2, sampled as the partner will be: stretched to the grid and "
           "once aligned with their mean by DTW; their variance (unbiased, averaged with its mean over the phase) times "
           "`widening`, plus a step's extent, at least `least_deviation` squared. ValueError for none, other shapes and "
-          "what is not finite and within 1e100, naming primitive and demonstration.")
-      .def(
+          "what is not finite and within 1e100, naming primitive and demonstration.");
+  return type;
+}
+
+void bind_filter(py::class_<SharedHmm> type) {
+  type.def(
           "observe",
           [](SharedHmm& self, const Doubles& sample) {
             const auto at = view(sample);
             const py::gil_scoped_release free;
             const std::lock_guard lock(self.busy);
-            return SequenceBelief(self.hmm.observe(at));
+            return SequenceBelief(self.value.observe(at));
           },
           py::arg("sample"),
           "One step of the forward filter with a sample (D,). NaN in a dimension: not seen, the others count; a sample "
@@ -99,28 +100,30 @@ void bind_hmm(py::module_& m) {
           "reset",
           [](SharedHmm& self) {
             const std::lock_guard lock(self.busy);
-            self.hmm.reset();
+            self.value.reset();
           },
           "To the prior, before the first sample.")
-      .def_property_readonly("belief",
-                             [](SharedHmm& self) {
-                               const std::lock_guard lock(self.busy);
-                               return SequenceBelief(self.hmm.belief());
-                             })
-      .def(
+      .def_property_readonly("belief", [](SharedHmm& self) {
+        const std::lock_guard lock(self.busy);
+        return SequenceBelief(self.value.belief());
+      });
+}
+
+void bind_model(py::class_<SharedHmm> type) {
+  type.def(
           "log_advances",
           [](const SharedHmm& self, int primitive) {
-            if (primitive < 0 || primitive >= static_cast<int>(self.hmm.primitives().size()))
+            if (primitive < 0 || primitive >= static_cast<int>(self.value.primitives().size()))
               throw py::index_error("there is no primitive " + std::to_string(primitive));
-            const auto& log_p = self.hmm.log_advances(primitive);
+            const auto& log_p = self.value.log_advances(primitive);
             return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(log_p.data(), static_cast<int>(log_p.size())));
           },
           py::arg("primitive"), "(K,) ln P(a sample advances by k = 0, 1, .. steps). IndexError for no such primitive.")
-      .def_property_readonly("primitives", [](const SharedHmm& self) { return self.hmm.primitives(); })
+      .def_property_readonly("primitives", [](const SharedHmm& self) { return self.value.primitives(); })
       .def_property_readonly(
-          "background_density", [](const SharedHmm& self) { return self.hmm.background_density(); }, "(D,), a copy")
-      .def_property_readonly("config", [](const SharedHmm& self) { return self.hmm.config(); })
-      .def("__len__", [](const SharedHmm& self) { return self.hmm.primitives().size(); });
+          "background_density", [](const SharedHmm& self) { return self.value.background_density(); }, "(D,), a copy")
+      .def_property_readonly("config", [](const SharedHmm& self) { return self.value.config(); })
+      .def("__len__", [](const SharedHmm& self) { return self.value.primitives().size(); });
 }
 
 }  // namespace
@@ -128,7 +131,9 @@ void bind_hmm(py::module_& m) {
 void bind_sequence(py::module_& m) {
   bind_config(m);
   bind_values(m);
-  bind_hmm(m);
+  const auto hmm = bind_learning(m);
+  bind_filter(hmm);
+  bind_model(hmm);
 }
 
 }  // namespace lfdcore

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -40,8 +41,20 @@ void require_exactly(std::initializer_list<const char*> names, const py::dict& s
   for (const char* name : names) require(state.contains(name), type + "'s field '" + name + "' is missing");
 }
 
+/// A field of a pickled state. ValueError that names it for a value of another type.
+template <class Struct, class Value>
+Value unpickled(const Field<Struct, Value>& field, const py::dict& state) {
+  try {
+    return Seen<Value>::from_python(field.name, state[field.name].template cast<typename Seen<Value>::Type>());
+  } catch (const py::cast_error&) {
+    const auto type = py::type::of<Struct>().attr("__name__").template cast<std::string>();
+    throw std::invalid_argument(type + "'s field '" + field.name + "' is " +
+                                py::repr(state[field.name]).template cast<std::string>() + ", of another type");
+  }
+}
+
 /// Pickles as {name: value}, so that a field that was added or moved is never taken for another. Unpickling raises
-/// ValueError for an unknown or missing name and for what validate() refuses.
+/// ValueError for an unknown or missing name, a value of another type and what validate() refuses.
 template <class Struct, class... Values>
 auto pickled_by_name(Field<Struct, Values>... fields) {
   return py::pickle(
@@ -53,9 +66,7 @@ auto pickled_by_name(Field<Struct, Values>... fields) {
       [fields...](const py::dict& state) {
         require_exactly<Struct>({fields.name...}, state);
         Struct made{};
-        ((made.*fields.member =
-              Seen<Values>::from_python(fields.name, state[fields.name].template cast<typename Seen<Values>::Type>())),
-         ...);
+        ((made.*fields.member = unpickled(fields, state)), ...);
         validate(made);
         return made;
       });
