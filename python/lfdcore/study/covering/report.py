@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lfdcore.pictures.style import Picture
 from lfdcore.progress import StageProgress
@@ -17,7 +19,14 @@ from lfdcore.study.covering.pictures import (
     share_paths_figure,
     sweeps_figure,
 )
-from lfdcore.study.covering.study import METHODS, CoveringResult, CoveringStudy, run_covering_study
+from lfdcore.study.covering.study import (
+    METHODS,
+    PARTNER_SHARES,
+    SHARES,
+    CoveringResult,
+    CoveringStudy,
+    run_covering_study,
+)
 from lfdcore.study.covering.tables import (
     aims,
     dial_table,
@@ -123,20 +132,37 @@ def covering_sections(result: CoveringResult) -> list[Section]:
 
 def figure_rows(result: CoveringResult) -> list[dict[str, object]]:
     """All figures for machines: trials, then errors by share observed, by partner and by how informative that is."""
-    rows: list[dict[str, object]] = [trial.row() for trial in result.trials]
-    for what in ("to_final", "to_demonstration"):
-        for form, method in sorted(result.runs[0].errors):
-            each = share_errors(result, form, method, what)
-            rows.append({"rmse": what, "form": form, "method": method, "by_seed_and_share": each.tolist()})
-    rows += [
-        {"seed": run.seed, "protocol": run.protocol.name, "partner": name, "rmse": np.asarray(errors).tolist()}
-        for run in result.runs
-        for name, errors in run.partners.items()
-    ]
+    trials = [trial.row() for trial in result.trials]
+    return [*trials, *_share_rows(result), *_partner_rows(result), *_dial_rows(result)]
+
+
+def _share_rows(result: CoveringResult) -> Iterator[dict[str, object]]:
+    whats = ("to_final", "to_demonstration")
+    seeds = [run.seed for run in result.of(result.study.protocols[1])]
+    for form, method in sorted(result.runs[0].errors):
+        each = np.stack([share_errors(result, form, method, what) for what in whats], axis=-1)
+        for seed, of_seed in zip(seeds, each, strict=True):
+            about = {"seed": seed, "form": form, "method": method}
+            for share, errors in zip(SHARES, of_seed.tolist(), strict=True):
+                yield {**about, "share": share, **{f"rmse_{what}": e for what, e in zip(whats, errors, strict=True)}}
+
+
+def _partner_rows(result: CoveringResult) -> Iterator[dict[str, object]]:
+    for run in result.runs:
+        for name, errors in run.partners.items():
+            about = {"seed": run.seed, "protocol": run.protocol.name, "partner": name}
+            yield from ({**about, "share": share, "rmse": e} for share, e in _at_shares(errors))
+
+
+def _dial_rows(result: CoveringResult) -> Iterator[dict[str, object]]:
     for dial in result.dials:
-        row: dict[str, object] = {"seed": dial.seed, "informative": dial.informative, "personal": dial.personal}
-        rows.append(row | {method: errors.tolist() for method, errors in dial.errors.items()})
-    return rows
+        for method, errors in dial.errors.items():
+            about = {"seed": dial.seed, "informative": dial.informative, "personal": dial.personal, "method": method}
+            yield from ({**about, "share": share, "rmse": e} for share, e in _at_shares(errors))
+
+
+def _at_shares(errors: ArrayLike) -> Iterator[tuple[float, float]]:
+    return zip(PARTNER_SHARES, np.asarray(errors, float).tolist(), strict=True)
 
 
 def _aims_table(result: CoveringResult) -> Table:
@@ -160,6 +186,7 @@ def findings(result: CoveringResult) -> Findings:
             "partner",
             "informative",
             "personal",
+            "share",
             "seed",
         ),
         aims=aims(result),
