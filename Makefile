@@ -38,7 +38,7 @@ format: $(VENV)/.installed-test
 	$(BIN)/clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
 figures: $(VENV)/.installed-test
-	$(BIN)/python -m pytest -n 2 -v -m figures tests/py/study/test_figures.py
+	$(BIN)/python -m pytest -n 2 -v -m "figures or not figures" tests/py/study/test_figures.py
 
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py

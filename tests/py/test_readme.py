@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "README.md").read_text()
 PICTURES = re.findall(r"!\[[^\]]*\]\(([^)\s]+)\)|<img[^>]*src=\"([^\"]+)\"", PAGE)
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(ROOT.glob("docs/*.md"))]
+PAGES = [ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")] + sorted(ROOT.glob("docs/*.md"))
 SENTENCE_ENDS = r"(?<!Ch\.)(?<!Sec\.)(?<=[.!?])\**\s+(?=[*\[`A-Z\d])"
 STUMBLES = r"\b(foretells?|foretold|foretelling|manieth|taught|told|wherein|whereof|hitherto)\b"
 
@@ -44,6 +44,23 @@ def test_at_most_5_percent_of_the_readmes_sentences_have_over_35_words() -> None
     long = [sentence for sentence in sentences() if len(sentence.split()) > 35]
     assert len(sentences()) > 30
     assert len(long) <= 0.05 * len(sentences()), long
+
+
+def test_no_code_says_to_people_what_a_reader_stumbles_over() -> None:
+    files = sorted((ROOT / "python" / "lfdcore").rglob("*.py"))
+    assert [file.name for file in files if re.search(STUMBLES, file.read_text(), flags=re.IGNORECASE)] == []
+
+
+def test_the_readmes_table_of_drives_stands_in_the_results() -> None:
+    """Name by name its numbers are those of docs/results.md, where the command stands that gives them."""
+    said, all_results = table_rows(PAGE), table_rows((ROOT / "docs" / "results.md").read_text())
+    drives = [row for row in said if len(row) == 5 and row[1].isdigit()]
+    assert len(drives) == 5
+    assert [row for row in drives if row[1:] not in [other[1:] for other in all_results]] == []
+
+
+def table_rows(page: str) -> list[list[str]]:
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line[:1] == "|"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

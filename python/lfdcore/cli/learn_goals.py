@@ -34,7 +34,7 @@ def learn_goals_command(
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn from drives, each of which names its destination, how a driver steers towards each. Needs torch once."""
+    """Learn from drives, each of which names its destination, how a driver steers towards each. Needs torch."""
     from dataclasses import replace
 
     from lfdcore.datasets import open_log, read_goals

@@ -37,8 +37,8 @@ METHODS = (
     "IP",
     "mean trajectory",
     "nearest demonstration",
-    "oracle: IP told the phase",
-    "oracle: IP told the place",
+    "oracle: phase given",
+    "oracle: place given",
 )
 WARPED, LIKELIEST, MEAN, NEAREST = (
     METHODS.index(name) for name in ("IP, phase by time warping", "IP", "mean trajectory", "nearest demonstration")

@@ -27,7 +27,7 @@ NOBODY = "none"
 
 @dataclass(frozen=True, kw_only=True)
 class LearningCurveStudy(Study):
-    """Both methods by the number of demonstrations: contacts, path RMSE, predicted paths. Needs torch once.
+    """Both methods by the number of demonstrations: contacts, path RMSE, predicted paths. Needs torch to learn.
 
     Models stay in the folder: a second study there drives only.
     """

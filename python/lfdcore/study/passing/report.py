@@ -32,7 +32,7 @@ from lfdcore.study.study import Findings
 
 Floats = NDArray[np.float64]
 TITLE = "Passing over a rectangle (Sec. 5.5)"
-FORMS = {"": "positions", ", phase told": "phase told", ", printed": "as printed"}
+FORMS = {"": "positions", ", phase given": "phase given", ", printed": "as printed"}
 """Ends of the arms' names, and what they stand for."""
 BOTH, _ = AXES
 
@@ -90,7 +90,7 @@ def claims_table(result: PassingResult) -> Table:
         rows,
         "Of several L, the one nearest to failing. In brackets: 95 % percentiles of a bootstrap over seeds. "
         f"{_cases(result)} Positions: the partner's positions are observed and the phase is the likeliest; this "
-        "is what is to be reached. Phase told: the same with known phases. As printed: forcing functions are "
+        "is what is to be reached. Phase given: the same with known phases. As printed: forcing functions are "
         "observed (5.11, 5.12) and e weighs as printed after 5.16.",
     )
 
@@ -178,7 +178,7 @@ def own_table(result: PassingResult) -> Table:
         (f"{seen}, {arm}{form}", *_means(result.by_seed(result.own, arm + form, seen, "novel")))
         for seen in AXES
         for arm in ("IP", "EaIP")
-        for form in ("", ", phase told")
+        for form in ("", ", phase given")
     ]
     return Table(
         "DTW distance [px per sample] to what the observed person did, novel rectangles",

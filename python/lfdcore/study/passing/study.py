@@ -63,7 +63,7 @@ def _arms() -> tuple[Arm, ...]:
         Arm(label + suffix, replace(config, environment=environment), phase_known)
         for suffix, config, phase_known in (
             ("", ours, False),
-            (", phase told", ours, True),
+            (", phase given", ours, True),
             (", printed", printed, False),
         )
         for label, environment in (("IP", False), ("EaIP", True))

@@ -155,7 +155,7 @@ def test_ip_predicts_the_taker_from_the_giver(result: HandoverResult) -> None:
     means = result.tasks[0].errors.mean(axis=0)[:, :, MEASURES.index("at the handover")]
     at = SHARES.index(0.5)
     assert means[METHODS.index("IP, phase by the clock"), at] < 0.3 * means[METHODS.index("mean trajectory"), at]
-    assert means[METHODS.index("oracle: IP told the place"), 0] < 0.3 * means[METHODS.index("IP"), 0]
+    assert means[METHODS.index("oracle: place given"), 0] < 0.3 * means[METHODS.index("IP"), 0]
 
 
 def test_the_result_depends_on_the_seed_alone(task: HandoverTask, result: HandoverResult, tmp_path: Path) -> None:
@@ -202,7 +202,7 @@ def test_on_kth_ip_beats_the_mean_once_it_knows_the_phase(data_folder: Path) -> 
     errors = HandoverSplit(tasks[0], 0, 1).run().errors.mean(axis=0)[:, :, 0]
     at = SHARES.index(0.5)
     given, by_dtw, mean = (
-        METHODS.index(name) for name in ("oracle: IP told the phase", "IP, phase by time warping", "mean trajectory")
+        METHODS.index(name) for name in ("oracle: phase given", "IP, phase by time warping", "mean trajectory")
     )
     assert errors[given, at] < 0.8 * errors[mean, at]
     assert errors[given, -1] < 0.7 * errors[by_dtw, -1]

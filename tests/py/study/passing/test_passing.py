@@ -124,7 +124,7 @@ def test_nothing_seen_is_the_same_for_all_people_and_whatever_would_have_been_se
     by_length = [path_of(completed(model, one, 0, AXES["both axes"])) for one in (first, second)]
     np.testing.assert_array_equal(*by_length)
     np.testing.assert_array_equal(small.distance[:, :, 0, 0], small.distance[:, :, 1, 0])
-    known, estimated = (NAMES.index(name) for name in ("EaIP, phase told", "EaIP"))
+    known, estimated = (NAMES.index(name) for name in ("EaIP, phase given", "EaIP"))
     np.testing.assert_array_equal(small.distance[:, known, :, 0], small.distance[:, estimated, :, 0])
 
 
@@ -156,7 +156,7 @@ def test_with_the_environment_every_path_passes_and_without_not(whole: PassingRe
 
 def test_the_estimate_of_the_phase_costs_next_to_nothing(whole: PassingResult) -> None:
     estimated, known = (
-        whole.by_seed(whole.distance, f"EaIP{form}", "both axes", "novel")[0] for form in ("", ", phase told")
+        whole.by_seed(whole.distance, f"EaIP{form}", "both axes", "novel")[0] for form in ("", ", phase given")
     )
     np.testing.assert_allclose(estimated, known, rtol=0.1)
 
