@@ -69,9 +69,10 @@ def _interaction_facts(file: Path) -> dict[str, Any]:
 
 def _map_facts(file: Path) -> dict[str, Any]:
     from lfdcore.datasets import read_map
+    from lfdcore.wheelchair.window import free_mask
 
     grid = read_map(file)
-    free, occupied = int((grid.data == 0).sum()), int(grid.occupied_mask().sum())
+    free, occupied = int(free_mask(grid).sum()), int(grid.occupied_mask().sum())
     return {
         "kind": "occupancy grid map",
         "size [cells]": f"{grid.width} x {grid.height}",

@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import way_ahead
-from lfdcore.geometry import Footprint, MotionLimits, Pose2
-from lfdcore.grid import LaserScan, OccupancyGrid, read_beams
-from lfdcore.pictures.style import BODY, DIRECTIONS, INK, LANDSCAPE, PAGE, UNKNOWN, WALL, Picture, styled
+from lfdcore.geometry import Footprint, MotionLimits
+from lfdcore.grid import OccupancyGrid
+from lfdcore.pictures.style import BODY, DIRECTIONS, INK, LANDSCAPE, PAGE, UNKNOWN, Picture, styled
 from lfdcore.pictures.window import (
     cover_cells,
     draw_chair,
     draw_dot,
+    draw_hits,
     draw_line,
     draw_plan,
     draw_stick,
@@ -38,12 +39,11 @@ from lfdcore.planning import (
     user_heatmap,
 )
 from lfdcore.training.parts.heatmap_targets import HeatmapPairs, HeatmapTargetConfig, heatmap_pairs
-from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPath, HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.surroundings import Surroundings
-from lfdcore.wheelchair.window import WINDOW
+from lfdcore.wheelchair.window import WINDOW, blocked_mask, border_mask
 
 Array = NDArray[np.float64]
 
@@ -69,19 +69,13 @@ def _heat(axes: Axes, heat: NDArray[np.floating], title: str, stick: Sequence[fl
 # ---- Fig. 4.6-4.7 --------------------------------------------------------------------------------------------------
 
 
-def _draw_hits(axes: Axes, scan: LaserScan, T_base_laser: Pose2) -> None:
-    beams = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
-    hits = beams.hits(*read_beams(scan))
-    axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.0, mew=0, zorder=2)
-
-
 @styled
 def sensor_figure(model: HeatmapModel, log: DriveLog, pairs: HeatmapPairs, index: int) -> Figure:
     """A: scan; B: what it sees free, the network's input; C: its target, the demonstrated paths through it; D: what the
     network answers (Fig. 4.6-4.7). `log` is the one of pair `index`."""
     figure = Figure(figsize=(PAGE, 2.9), layout="compressed")
     a, b, c, d = figure.subplots(1, 4, sharey=True)
-    _draw_hits(a, log.scan(int(pairs.scan[index])), log.T_base_laser)
+    draw_hits(a, log.scan(int(pairs.scan[index])), log.T_base_laser)
     draw_chair(a, Footprint())
     _whole_window(a, "A  scan")
     free = pairs.free[index]
@@ -199,19 +193,17 @@ def intent_figure(moment: HeatMoment) -> Figure:
 @styled
 def q_learning_figure(moment: HeatMoment) -> Figure:
     """A: obstacles, grown; B: reward; C: values after Q-learning with the path, and the way driven (Fig. 4.12)."""
-    planned, reach = moment.planned, moment.planner.config.reward
-    blocked = planned.reward <= reach.obstacle
-    blocked[[0, -1], :] = blocked[:, [0, -1]] = False
+    planned = moment.planned
+    blocked = blocked_mask(planned.reward, moment.planner.config.reward.obstacle)
     solver = QLearningSolver(moment.planner.config.q_learning)
     values = np.asarray(solver.solve(GridMdp(planned.reward, blocked)).values())
     figure = Figure(figsize=(PAGE, 3.6), layout="compressed")
     a, b, c = figure.subplots(1, 3, sharey=True)
     draw_window(a, np.where(blocked, 0.45, 1.0), cmap="gray", vmin=0, vmax=1)
-    _draw_hits(a, moment.observation.scan, moment.planner.chair.T_base_laser)
+    draw_hits(a, moment.observation.scan, moment.planner.chair.T_base_laser)
     draw_chair(a, Footprint())
     _whole_window(a, "A  obstacles, grown")
-    inner = ~blocked
-    inner[[0, -1], :] = inner[:, [0, -1]] = False
+    inner = ~blocked & ~border_mask()
     for axes, shown, title in ((b, planned.reward, "B  reward"), (c, values, "C  value and path")):
         inside = shown[inner]
         colours = colormaps[LANDSCAPE].with_extremes(bad=INK)

@@ -42,20 +42,22 @@ from lfdcore.pictures.window import (
     cover_cells,
     draw_chair,
     draw_dot,
+    draw_hits,
     draw_line,
     draw_plan,
+    draw_points,
     draw_stick,
     draw_window,
     front_axes,
 )
-from lfdcore.planning import DppSolver, GreedyPath, GridMdp, RewardConfig, greedy_path
+from lfdcore.planning import DppSolver, GreedyPath, GridMdp, greedy_path
 from lfdcore.wheelchair.assistants import DriveAssistantConfig
 from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.drivable_path import START
 from lfdcore.wheelchair.primitives.compliance import ComplianceModel
 from lfdcore.wheelchair.primitives.local_paths import REASONS, LocalPaths, beam_geometry, extract_local_paths
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
-from lfdcore.wheelchair.window import WINDOW
+from lfdcore.wheelchair.window import WINDOW, blocked_mask
 
 Array = NDArray[np.float64]
 
@@ -91,11 +93,10 @@ def _drive_around(log: DriveLog, stamp: float, before: float = 8.0, after: float
 def _draw_local_path(axes: Axes, log: DriveLog, paths: LocalPaths, index: int, beams: BeamGeometry) -> None:
     scan = int(np.searchsorted(log.scan_stamp, paths.stamp[index]))
     goal, laser = paths.goal[index], log.T_base_laser
-    hits = beams.hits(*read_beams(log.scan(scan)))
     beam = int(beams.locate(goal[None])[0][0])
     angle = laser.yaw + log.angle_min + beam * log.angle_increment
     end = np.array([laser.x, laser.y]) + paths.beam_range[index] * np.array([np.cos(angle), np.sin(angle)])
-    axes.plot(hits[:, 1], hits[:, 0], ".", color=FAINT, ms=3.0, mew=0, zorder=1)
+    draw_hits(axes, log.scan(scan), laser, colour=FAINT, zorder=1)
     border = np.array([[0, -WINDOW], [WINDOW, -WINDOW], [WINDOW, WINDOW], [0, WINDOW], [0, -WINDOW]])
     draw_line(axes, border, REFERENCE, 1.0, ls="--", zorder=2)
     draw_line(axes, _drive_around(log, paths.stamp[index]), DRIVEN, 1.0, zorder=3)
@@ -127,17 +128,14 @@ def local_paths_figure(log: DriveLog, paths: LocalPaths) -> Figure:
 
 def _draw_scan(axes: Axes, moment: Moment) -> None:
     scan, laser = moment.observation.scan, moment.chair.T_base_laser
-    beams = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, laser)
     angle = laser.yaw + scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    lengths, hit = read_beams(scan)
+    lengths, _ = read_beams(scan)
     start = np.array([laser.x, laser.y])
     ends = start + np.minimum(lengths, 12.0)[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1)
     rays = [np.array([start[::-1], end[::-1]]) for end in ends[::2]]
     axes.add_collection(LineCollection(rays, colors=BEAM, linewidths=0.5, alpha=0.6, zorder=1))
-    hits = beams.hits(lengths, hit)
-    axes.plot(hits[:, 1], hits[:, 0], ".", color=WALL, ms=3.5, mew=0, zorder=2)
-    known = moment.obstacles.points
-    axes.plot(known[:, 1], known[:, 0], ".", color=FAINT, ms=2.5, mew=0, zorder=1.5)
+    draw_hits(axes, scan, laser, size=3.5)
+    draw_points(axes, moment.obstacles.points, FAINT, size=2.5, zorder=1.5)
     draw_chair(axes, moment.chair.footprint)
 
 
@@ -165,26 +163,18 @@ def intention_figure(moment: Moment) -> Figure:
 
 def _landscape(moment: Moment) -> tuple[NDArray[np.floating], NDArray[np.bool_], Array]:
     """Values (100, 100) after DPP, the cells it may not enter, and its greedy path (N, 2) [m]."""
-    reward, reach, dpp = moment.planned.reward, moment.config.reward, moment.config.dpp
-    blocked = _blocked(reward, reach) if dpp.blocked else np.zeros(reward.shape, dtype=bool)
-    result = DppSolver(dpp).solve(GridMdp(reward, blocked))
+    reward, dpp = moment.planned.reward, moment.config.dpp
+    blocked = blocked_mask(reward, moment.config.reward.obstacle)
+    result = DppSolver(dpp).solve(GridMdp(reward, blocked & dpp.blocked))
     iy, ix = np.unravel_index(int(np.argmax(reward)), reward.shape)
     drawn: GreedyPath = greedy_path(result, START, (int(ix), int(iy)))
     centres = np.array(moment.grid.origin) + (drawn.cells + 0.5) * moment.grid.resolution
-    return np.asarray(result.values()), _blocked(reward, reach), centres
-
-
-def _blocked(reward: NDArray[np.floating], config: RewardConfig) -> NDArray[np.bool_]:
-    """Cells with an obstacle's reward, but for the border's."""
-    blocked = reward <= config.obstacle
-    blocked[[0, -1], :] = blocked[:, [0, -1]] = False
-    return blocked
+    return np.asarray(result.values()), blocked, centres
 
 
 def _draw_rollout(axes: Axes, moment: Moment) -> None:
     rollout = moment.planned.rollout
-    points = moment.obstacles.points
-    axes.plot(points[:, 1], points[:, 0], ".", color=WALL, ms=3.5, mew=0, zorder=3)
+    draw_points(axes, moment.obstacles.points, WALL, size=3.5, zorder=3)
     if rollout is not None:
         bodies = [corners[:, ::-1] for corners in outlines(every(rollout.poses, 0.3), moment.chair.footprint)]
         axes.add_collection(PolyCollection(bodies, facecolors="none", edgecolors=BODY, linewidths=0.7, zorder=1))

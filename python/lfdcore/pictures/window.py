@@ -13,8 +13,10 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from lfdcore.geometry import Footprint
-from lfdcore.pictures.style import BODY, INK, PLANNED, STICK, WAY, translucent
+from lfdcore.geometry import Footprint, Pose2
+from lfdcore.grid import LaserScan, read_beams
+from lfdcore.pictures.style import BODY, INK, PLANNED, STICK, WALL, WAY, translucent
+from lfdcore.wheelchair.beams import BeamGeometry
 from lfdcore.wheelchair.window import WINDOW
 
 Array = NDArray[np.float64]
@@ -47,6 +49,19 @@ def draw_plan(axes: Axes, points: Array, width: float = 1.8, **more: Any) -> Non
 def draw_dot(axes: Axes, point: Sequence[float] | Array, colour: str, size: float = 6.0, **more: Any) -> None:
     """A point (2,) [m]."""
     axes.plot([point[1]], [point[0]], "o", color=colour, ms=size, zorder=6, **more)
+
+
+def draw_points(axes: Axes, points: Array, colour: str, size: float, zorder: float) -> None:
+    """Obstacles as points (N, 2) [m]."""
+    axes.plot(points[:, 1], points[:, 0], ".", color=colour, ms=size, mew=0, zorder=zorder)
+
+
+def draw_hits(
+    axes: Axes, scan: LaserScan, T_base_laser: Pose2, colour: str = WALL, size: float = 3.0, zorder: float = 2
+) -> None:
+    """What the beams of a scan hit."""
+    beams = BeamGeometry(len(scan.ranges), scan.angle_min, scan.angle_increment, T_base_laser)
+    draw_points(axes, beams.hits(*read_beams(scan)), colour, size, zorder)
 
 
 def draw_chair(axes: Axes, footprint: Footprint, face: str = translucent(BODY), edge: str = WAY) -> None:

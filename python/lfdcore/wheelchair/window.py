@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.grid import OccupancyGrid
+
 WINDOW = 2.5
 """Half the side of the local window [m]: x and y in base_link lie within +-WINDOW (Sec. 3.2: 5 m square)."""
 CELLS = 100
@@ -51,6 +53,19 @@ def require_between(name: str, value: float, low: float, high: float, unit: str 
         raise ValueError(f"{name} is {value}{unit}, must be between {low:g} and {high:g}{unit}")
 
 
-def free_mask(scan_grid: NDArray[np.int8]) -> NDArray[np.bool_]:
-    """data of a local OccupancyGrid (100, 100) -> the cells seen free."""
-    return np.asarray(scan_grid == 0)
+def free_mask(grid: OccupancyGrid) -> NDArray[np.bool_]:
+    """(height, width): the cells of a grid that were seen free."""
+    return np.asarray(grid.data == 0)
+
+
+def border_mask() -> NDArray[np.bool_]:
+    """(100, 100): the cells on the window's border, which planners are kept from."""
+    border = np.ones((CELLS, CELLS), dtype=bool)
+    border[1:-1, 1:-1] = False
+    return border
+
+
+def blocked_mask(reward: NDArray[np.floating], obstacle: float) -> NDArray[np.bool_]:
+    """(100, 100): the cells that a planner did not enter, read back from the rewards (100, 100) it planned over: those
+    with an `obstacle`'s reward. Those on the border have it too, but only so that no path stays on them."""
+    return np.asarray((reward <= obstacle) & ~border_mask())

@@ -21,7 +21,7 @@ from lfdcore.wheelchair.heatmaps.calibration import HeatmapCalibration
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import MOVING, ChairGeometry, observations
-from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW
+from lfdcore.wheelchair.window import CELLS, RESOLUTION, WINDOW, free_mask
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -81,7 +81,7 @@ def judged_cells(
             if crossed is None or heat is None:
                 continue
             due = now.stamp + period - 1e-9
-            free = seen.data == 0
+            free = free_mask(seen)
             heats.append(heat.intent[free])
             crossings.append(crossed[free])
             runs.append(np.full(int(free.sum()), run))

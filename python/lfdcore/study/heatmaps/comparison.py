@@ -38,7 +38,7 @@ from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
-from lfdcore.wheelchair.window import RESOLUTION, WINDOW, squashed
+from lfdcore.wheelchair.window import RESOLUTION, WINDOW, blocked_mask, border_mask, free_mask, squashed
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -127,8 +127,8 @@ class NaivePlanner(HeatmapPlanner):
         if orientation is None:
             return None
         seen = local_grid(observation.scan, observation.scan_mounting(self.chair.T_base_laser))
-        heat = self._network.predict(seen.data == 0, np.array(observation.joystick))
-        return Heat(heat, np.ones_like(heat), squashed(heat * (grid.data == 0)), orientation)
+        heat = self._network.predict(free_mask(seen), np.array(observation.joystick))
+        return Heat(heat, np.ones_like(heat), squashed(heat * free_mask(grid)), orientation)
 
 
 class _Solver(Protocol):
@@ -149,11 +149,9 @@ class Method:
 
     def landscape(self, planned: PlannedPath, grid: OccupancyGrid) -> Heatmap:
         """The landscape that a path was planned over, squashed: (100, 100) in [0, 1]."""
-        blocked = planned.reward <= self.obstacle
-        border = np.ones_like(blocked)
-        border[1:-1, 1:-1] = False  # no obstacle, but as bad to stay on: its values would set the scale
-        values = self.solver.solve(GridMdp(planned.reward, blocked & ~border)).values()
-        return squashed_values(values, (grid.data == 0) & ~blocked & ~border)
+        blocked = blocked_mask(planned.reward, self.obstacle)
+        values = self.solver.solve(GridMdp(planned.reward, blocked)).values()
+        return squashed_values(values, free_mask(grid) & ~blocked & ~border_mask())  # the border would set the scale
 
 
 def squashed_values(values: NDArray[np.floating], entered: Mask) -> Heatmap:
@@ -291,7 +289,7 @@ def compare_on_log(log: DriveLog, models: ComparedModels, config: ComparisonConf
         for one in asked.values():
             one.ask(now, grid, obstacles, way, shared)
         walls.insert(grid.occupied_mask(), grid.data >= 0, now.pose)
-        seen.insert(grid.data == 0, grid.data == 0, now.pose)
+        seen.insert(free_mask(grid), free_mask(grid), now.pose)
     if due == -np.inf:
         raise ValueError(f"log {log.name!r} holds no moment at which the chair drives forward by its joystick")
     state = np.where(walls.heatmap() > 0.3, 100, np.where(seen.count > 0, 0, -1)).astype(np.int8)
@@ -313,7 +311,7 @@ class _Asked:
         planned = self.method.planner.plan(now, grid, obstacles)
         self.seconds.append(shared + time.perf_counter() - started)
         heat = np.zeros(grid.data.shape, np.float32) if planned is None else self.method.landscape(planned, grid)
-        self.map.insert(heat, grid.data == 0, now.pose)
+        self.map.insert(heat, free_mask(grid), now.pose)
         self.without_path += planned is None
         self.errors.append((np.nan,) * 3 if planned is None else path_deviations(planned.path, way))
 

@@ -30,6 +30,7 @@ from lfdcore.pictures.style import (
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.heatmaps.calibration import CalibrationCheck, Reliability
 from lfdcore.study.heatmaps.comparison import METHODS, ComparedRun
+from lfdcore.wheelchair.window import free_mask
 
 METHOD_NAMES = {"primitives": "primitives (Ch. 3)", "naive": "naive CNN", "heatmaps": "heatmaps (CNN/GP)"}
 
@@ -58,7 +59,7 @@ def _draw_concatenated(axes: Axes, run: ComparedRun, method: str) -> None:
     grid = run.grid
     x, y = grid.origin
     extent = (x, x + grid.width * grid.resolution, y, y + grid.height * grid.resolution)
-    heat = np.where(grid.data == 0, run.methods[method].concatenated, np.nan)
+    heat = np.where(free_mask(grid), run.methods[method].concatenated, np.nan)
     colours = colormaps[LANDSCAPE].with_extremes(bad="white")
     axes.imshow(heat, origin="lower", extent=extent, cmap=colours, vmin=0, vmax=1, interpolation="nearest")
     shade = np.zeros((*grid.data.shape, 4))

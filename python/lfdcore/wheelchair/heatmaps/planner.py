@@ -30,7 +30,7 @@ from lfdcore.planning import (
 from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, DrivablePathFinder
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath
-from lfdcore.wheelchair.window import squashed, values_at
+from lfdcore.wheelchair.window import free_mask, squashed, values_at
 
 if TYPE_CHECKING:
     from lfdcore.wheelchair.heatmaps.model import HeatmapModel
@@ -124,9 +124,9 @@ class HeatmapPlanner:
         if orientation is None:
             return None
         seen = local_grid(observation.scan, observation.scan_mounting(self.chair.T_base_laser))
-        sensor = self.model.sensor.predict(seen.data == 0)
+        sensor = self.model.sensor.predict(free_mask(seen))
         user = user_heatmap(self._template, orientation).heatmap
-        return Heat(sensor, user, squashed(sensor * user * (grid.data == 0)), orientation)
+        return Heat(sensor, user, squashed(sensor * user * free_mask(grid)), orientation)
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> HeatmapPath | None:
         """See Planner."""

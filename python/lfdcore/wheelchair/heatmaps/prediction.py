@@ -79,7 +79,7 @@ class HeatmapPathPredictor:
         meant = self._meant(joystick)
         if meant is None or abs(meant.mean) > np.pi / 2:
             return None
-        sensor = self.model.sensor.predict(free_mask(local_grid(scan, T_base_laser).data))
+        sensor = self.model.sensor.predict(free_mask(local_grid(scan, T_base_laser)))
         return np.asarray(sensor.astype(np.float64) ** self.config.sharpness * self.stick_heatmap(meant.mean))
 
     def stick_heatmap(self, orientation: float) -> Floats:
@@ -129,7 +129,7 @@ class NaivePathPredictor:
         """As HeatmapPathPredictor's."""
         if not np.any(joystick) or joystick[0] < 0:
             return None
-        heat = self.model.network.predict(free_mask(local_grid(scan, T_base_laser).data), joystick)
+        heat = self.model.network.predict(free_mask(local_grid(scan, T_base_laser)), joystick)
         return heatmap_path(heat.astype(np.float64) ** self.config.sharpness, self.config.reach, self.config.points)
 
 

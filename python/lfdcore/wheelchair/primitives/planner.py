@@ -16,7 +16,7 @@ from lfdcore.planning import DppConfig, DppSolver, GridMdp, RewardConfig, greedy
 from lfdcore.wheelchair.drivable_path import START, DrivablePathConfig, DrivablePathFinder
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.planner import PlannedPath
-from lfdcore.wheelchair.window import cell_centres
+from lfdcore.wheelchair.window import cell_centres, free_mask
 
 if TYPE_CHECKING:
     from lfdcore.wheelchair.primitives.model import DriveAssistantModel
@@ -101,7 +101,7 @@ class PrimitivesPlanner:
     def _intention(self, observation: Observation, grid: OccupancyGrid) -> NDArray[np.float32]:
         joystick = np.array(observation.joystick)
         laser = observation.scan_mounting(self.chair.T_base_laser)
-        intention = self.model.intention.predict(joystick, observation.scan, laser, grid.data == 0)
+        intention = self.model.intention.predict(joystick, observation.scan, laser, free_mask(grid))
         return self._complying(intention, joystick) if self.config.goals_comply else intention
 
     def _complying(self, intention: NDArray[np.float32], joystick: NDArray[np.float64]) -> NDArray[np.float32]:
