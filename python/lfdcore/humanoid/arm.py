@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from lfdcore.datasets.joint_motion import JointMotion
 from lfdcore.humanoid.baxter import ROBOTIQ_LENGTH, neutral_posture, robotiq_tool
 from lfdcore.kinematics import (
-    FollowConfig,
     FollowResult,
     RobotModel,
     SelfCollision,
@@ -105,7 +104,6 @@ def follow_gripper(
         time,
         gripper_poses(names, motion),
         None if start is None else np.asarray(start, np.float64),
-        config=FollowConfig(),
         self_collision=surroundings,
         posture=None if surroundings is None else (resting_posture(robot) if posture is None else posture),
     )

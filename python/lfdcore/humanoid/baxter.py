@@ -80,10 +80,9 @@ def arm_capsules(model: RobotModel, side: Side, positions: NDArray[np.float64]) 
 
 def _part_radii(model: RobotModel, side: Side) -> list[float]:
     """[m] of ARM_PARTS."""
-    radii = [
-        [radius for link, _, _, radius in model.collision_shapes if link in {f"{side}_{name}" for name in links}]
-        for links in _PART_LINKS
-    ]
+    shapes = model.collision_shapes  # built anew whenever it is asked for
+    parts = [{f"{side}_{name}" for name in links} for links in _PART_LINKS]
+    radii = [[radius for link, _, _, radius in shapes if link in part] for part in parts]
     if not all(radii):
         raise ValueError(f"the robot's {side} {ARM_PARTS[radii.index([])]} has no collision shapes")
     return [max(each) for each in radii]

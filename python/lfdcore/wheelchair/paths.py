@@ -39,8 +39,9 @@ def distance_to_polyline(points: Floats, line: Floats) -> Floats:
 
 
 def geometric_median(paths: Floats, weights: Floats, iterations: int, nearest: float = 0.01) -> Floats:
-    """Paths (N, A, 2) with weights (N,) > 0 -> (A, 2): at each of the A places the point of the least weighted sum of
-    distances (Weiszfeld's algorithm from the mean; distances below `nearest` [m] count as that)."""
+    """Paths (N, A, 2) with weights (N,), none negative and not all 0 -> (A, 2): at each of the A places the point of
+    the least weighted sum of distances (Weiszfeld's algorithm from the mean; distances below `nearest` [m] count as
+    that)."""
     points, weight = np.ascontiguousarray(paths.transpose(2, 1, 0)), weights / weights.sum()  # (2, A, N)
     median = points @ weight
     for _ in range(iterations):

@@ -16,9 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.datasets import joystick_from_motion
 from lfdcore.datasets.drive_log import DriveLog
-from lfdcore.datasets.motion import motion_limits, windowed_twist
+from lfdcore.datasets.motion import joystick_from_motion, motion_limits, windowed_twist
 from lfdcore.errors import DataError
 from lfdcore.geometry import Twist2
 

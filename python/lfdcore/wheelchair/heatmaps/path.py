@@ -21,7 +21,7 @@ RING = 0.06
 _STEP = 0.1
 _RINGS = np.arange(1, round(WINDOW / _STEP) + 1) * _STEP
 _ITERATIONS = 10
-_NEAREST = 0.02  # [m] of a cell that counts as nearer
+_NEAREST = 0.02  # [m]: a cell nearer to the median counts as this far, or it would hold the median fast
 
 
 def heatmap_path(heatmap: NDArray[np.floating], reach: float = WINDOW, points: int = 26) -> Floats | None:

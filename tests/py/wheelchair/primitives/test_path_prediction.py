@@ -23,6 +23,13 @@ def test_the_geometric_median_has_the_least_sum_of_distances():
         np.testing.assert_allclose(median[a], best, atol=2e-3)
 
 
+def test_a_path_of_weight_0_has_no_say_in_the_geometric_median():
+    paths = np.random.default_rng(4).normal(size=(6, 3, 2))
+    weights = np.array([1.0, 0.0, 2.0, 0.5, 0.0, 1.0])
+    among = geometric_median(paths, weights, 20)
+    np.testing.assert_allclose(among, geometric_median(paths[weights > 0], weights[weights > 0], 20), atol=1e-12)
+
+
 def test_one_voter_or_equal_voters_are_their_own_median():
     path = np.array([[[1.0, 2.0], [3.0, 4.0]]])
     np.testing.assert_allclose(geometric_median(path, np.ones(1), 15), path[0])
