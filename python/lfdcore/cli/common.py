@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,7 +33,9 @@ LogArguments = Annotated[
 
 def print_json(value: Any) -> None:
     """Prints a value for machines; what is not finite becomes null, as JSON has no NaN."""
-    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
+    from lfdcore.datasets.strict_json import plain_json
+
+    typer.echo(json.dumps(plain_json(value), indent=2, allow_nan=False))
 
 
 def print_facts(facts: dict[str, Any]) -> None:
@@ -53,14 +54,6 @@ def _as_text(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} {_as_text(item)}" for name, item in value.items())
     return str(value)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 @contextmanager

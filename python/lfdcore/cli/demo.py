@@ -29,5 +29,4 @@ def demo(
     from lfdcore.cli.study import run_study
     from lfdcore.study.demo import demo_study, run
 
-    command = f"lfdcore demo --drivers {drivers} --task-starts {starts} --seed {seed}" + (" --train" if train else "")
-    run_study(demo_study(drivers, starts, seed, train=train), run, output, as_json=False, command=command)
+    run_study(demo_study(drivers, starts, seed, train=train), run, output, as_json=False)

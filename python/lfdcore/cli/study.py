@@ -79,14 +79,14 @@ def study_command(config: type[Study], run: Run) -> Callable[..., None]:
     return command
 
 
-def run_study(study: Study, run: Run, folder: Path, as_json: bool, command: str = "") -> None:
+def run_study(study: Study, run: Run, folder: Path, as_json: bool) -> None:
     """Runs a study with progress, writes its report into `folder` and shows what was found."""
     from lfdcore.study.report.table import WIDTH, wrapped
     from lfdcore.study.study import as_document, write_study
 
     with _made(folder), progress_bar() as bar:
         findings = run(study, folder, Stages(bar))
-        report = write_study(study, findings, folder, command)
+        report = write_study(study, findings, folder)
     if as_json:
         print_json({"report": str(report)} | as_document(study, findings))
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -40,13 +40,23 @@ SHIPPED = (
 )
 
 
-def demo_study(drivers: int, starts: int, seed: int, *, train: bool) -> DrivingStudy:
-    """The demo's driving study; its models are those of the package unless they are to be trained."""
+@dataclass(frozen=True, kw_only=True)
+class DemoStudy(DrivingStudy):
+    """A driving study that another command makes."""
+
+    def command(self) -> str:
+        """What repeats the demo."""
+        size = f"--drivers {self.drivers} --task-starts {self.starts} --seed {self.seed}"
+        return f"lfdcore demo {size}" if self.models else f"lfdcore demo {size} --train"
+
+
+def demo_study(drivers: int, starts: int, seed: int, *, train: bool) -> DemoStudy:
+    """The demo's models are those of the package unless they are to be trained."""
     models = () if train else (PRIMITIVES, HEATMAPS)
-    return DrivingStudy(models=models, drivers=drivers, starts=starts, seed=seed)
+    return DemoStudy(models=models, drivers=drivers, starts=starts, seed=seed)
 
 
-def run(study: DrivingStudy, folder: Path, tell: StageProgress) -> Findings:
+def run(study: DemoStudy, folder: Path, tell: StageProgress) -> Findings:
     """Everything that the demo shows. Needs the extra 'train' where the study has no models."""
     result = run_driving_study(study, folder, tell)
     models = result.courses.plan.models

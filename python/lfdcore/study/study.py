@@ -7,17 +7,15 @@ writes report.html with its version, its seed and the command that repeats it.
 from __future__ import annotations
 
 import json
-import math
 import shlex
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
-import numpy as np
-
 from lfdcore import __version__
+from lfdcore.datasets.strict_json import plain_json
 from lfdcore.datasets.whole_file import whole_file
 from lfdcore.pictures.style import Picture, png
 from lfdcore.progress import StageProgress
@@ -150,8 +148,6 @@ class Findings:
     """columns of rows that say what a row is about, `seed` among them where it is about one repetition"""
     aims: Sequence[Aim] = ()
     """figures to reach"""
-    files: Mapping[str, bytes] = field(default_factory=dict)
-    """what is written beside the report, but for named pictures"""
 
     @property
     def tables(self) -> list[Table]:
@@ -172,34 +168,22 @@ def as_document(study: Study, findings: Findings) -> dict[str, Any]:
         "command": study.command(),
         "seed": study.seed,
         "headline": findings.headline,
-        "aims": _plain([aim.as_row() for aim in findings.aims]),
+        "aims": plain_json([aim.as_row() for aim in findings.aims]),
         "keys": list(findings.keys),
-        "rows": _plain(findings.rows),
+        "rows": plain_json(findings.rows),
     }
 
 
-def _plain(value: Any) -> Any:
-    """In JSON's values, at any depth. What is not a finite number becomes None: JSON has no NaN."""
-    if isinstance(value, Mapping):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def write_study(study: Study, findings: Findings, folder: Path, command: str = "") -> Path:
+def write_study(study: Study, findings: Findings, folder: Path) -> Path:
     """Writes report.html, figures.json and named pictures into `folder` -> the report's path. The same findings give
-    the same bytes. `command` stands in the report as what made it, else the study's own.
+    the same bytes.
 
     All is there before the first file is replaced: figures never stand beside an older run's report."""
-    document = as_document(study, findings) | ({"command": command} if command else {})
+    document = as_document(study, findings)
     origin = f"lfdcore {__version__}, seed {study.seed}. Made by: `{document['command']}`"
     page = report_page(f"lfdcore: {study.title}", findings.sections, findings.headline, origin)
     files = {
         **{picture.name: png(picture.figure) for picture in findings.pictures if picture.name},
-        **findings.files,
         FIGURES: (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
         REPORT: page.encode(),
     }

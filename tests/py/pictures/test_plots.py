@@ -299,13 +299,13 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
         courses=(short,), models=StudyModels(primitives=tmp_path / "m.safetensors"), arms=arms, drivers=2
     )
     result = WholeResult(run_driving_plan(study, processes=1), None, (path,))
-    command = "lfdcore study driving"
-    report = write_study(DrivingStudy(), findings(result), tmp_path, command)
+    written = DrivingStudy()
+    report = write_study(written, findings(result), tmp_path)
     first = report.read_bytes()
-    assert f"lfdcore {__version__}, seed 1. Made by: <code>lfdcore study driving</code>".encode() in first
+    assert f"lfdcore {__version__}, seed 1. Made by: <code>{written.command()}</code>".encode() in first
     assert b"4 runs" in first
     for text in (b"Driving metrics, short", b"Figures to reach", b"As Fig. 3.14", b"As Fig. 3.12", b"As Fig. 3.7"):
         assert text in first
     assert len(first) < 6e6
-    again = write_study(DrivingStudy(), findings(result), tmp_path, command)
+    again = write_study(written, findings(result), tmp_path)
     assert again.read_bytes() == first

@@ -7,8 +7,10 @@ from typing import Annotated
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import lfdcore
+from lfdcore.pictures.style import Picture
 from lfdcore.study.catalogue import STUDIES, load_study
 from lfdcore.study.compare import compare, comparison_table, read_document
 from lfdcore.study.report.aims import Aim
@@ -124,8 +126,9 @@ def test_a_count_that_is_none_is_refused(people: object) -> None:
 def test_a_report_that_cannot_be_written_leaves_the_old_one_whole(tmp_path: Path) -> None:
     write_study(Example(), found([]), tmp_path)
     before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
-    broken = replace(found([]), headline="Another.", files={"x/y.csv": b""})  # there is no folder x
-    with pytest.raises(OSError, match=r"y\.csv"):
+    unwritable = Picture(Figure(), "", "x/y.png")  # there is no folder x
+    broken = replace(found([]), headline="Another.", sections=[Section("", "", pictures=[unwritable])])
+    with pytest.raises(OSError, match=r"y\.png"):
         write_study(Example(), broken, tmp_path)
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
