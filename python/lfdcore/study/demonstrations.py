@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from lfdcore.datasets import open_log
 from lfdcore.progress import Progress, StageProgress, silent
@@ -17,11 +17,8 @@ from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels, make_assistant, models_by_method
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.study import Option, under
-from lfdcore.training.drive_primitives import LearningConfig, first_share, learn_drive
+from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.assistants import Unassisted
-
-if TYPE_CHECKING:
-    pass
 
 HeatmapsFile = Annotated[Path | None, Option("Learned heatmaps; else learned from demonstrations, which needs torch.")]
 """The option `model` of studies that drive with heatmaps alone"""
@@ -32,21 +29,29 @@ MAZE_RUNS, MAZE_DRIVERS = 72, 8
 HOME_DRIVERS, RUNS_EACH = 10, 3
 """Sec. 4.6.2"""
 
-_SEEDS, _HOME_SEEDS = 1000, 500
-"""Run j in the mazes has seed 1000 `seed` + j, run k in the home 1000 `seed` + 500 + k: none is in both."""
 PRIMITIVES_NAME = "assistant.safetensors"
 ATTEMPTS = 5
 """of an expert at a demonstration"""
 
 
-def demonstrate(folder: Path, seed: int, config: RunConfig | None = None) -> list[tuple[Path, DriveTrace]]:
+def maze_seed(seed: int, run: int) -> int:
+    """Of a run in the mazes; none is of one in the home (home_seed) or on a way of study learning-curve (way_seed)."""
+    return 1000 * seed + run
+
+
+def home_seed(seed: int, run: int) -> int:
+    """Of a run to a destination in the home."""
+    return maze_seed(seed, 500 + run)
+
+
+def demonstrate(folder: Path, seed: int) -> list[tuple[Path, DriveTrace]]:
     """One expert run through each training course, unassisted -> drive logs in `folder` and their traces.
 
     An expert who touches anything or does not arrive drives again: nobody should learn from that. Raises RuntimeError
     if the last of ATTEMPTS (seeds `seed`, `seed` + 1000, ...) fails too.
     """
     courses, paths = training_courses(), demonstration_paths(folder)
-    return [_demonstrated(course, path, seed, config) for course, path in zip(courses, paths, strict=True)]
+    return [_demonstrated(course, path, seed) for course, path in zip(courses, paths, strict=True)]
 
 
 def demonstration_paths(folder: Path) -> tuple[Path, ...]:
@@ -54,9 +59,9 @@ def demonstration_paths(folder: Path) -> tuple[Path, ...]:
     return tuple(folder / f"demonstration-{course.name}.mcap" for course in training_courses())
 
 
-def _demonstrated(course: Course, path: Path, seed: int, config: RunConfig | None) -> tuple[Path, DriveTrace]:
+def _demonstrated(course: Course, path: Path, seed: int) -> tuple[Path, DriveTrace]:
     for attempt in range(ATTEMPTS):
-        trace = run_drive(course, ExpertDriver(course), Unassisted(), seed + 1000 * attempt, config, path)
+        trace = run_drive(course, ExpertDriver(course), Unassisted(), seed + 1000 * attempt, log_path=path)
         if trace.completed and not trace.collision.any():
             return path, trace
     raise RuntimeError(
@@ -65,15 +70,10 @@ def _demonstrated(course: Course, path: Path, seed: int, config: RunConfig | Non
     )
 
 
-def learn_from_demonstrations(
-    folder: Path,
-    seed: int,
-    config: LearningConfig | None = None,
-    progress: Progress | None = None,
-) -> Path:
+def learn_from_demonstrations(folder: Path, seed: int, progress: Progress | None = None) -> Path:
     """Demonstrates, learns and saves the model in `folder` -> its path."""
     logs = [open_log(path) for path, _ in demonstrate(folder, seed)]
-    model = learn_drive(first_share(logs), config, progress)
+    model = learn_drive(first_share(logs), progress=progress)
     path = folder / PRIMITIVES_NAME
     model.save(path)
     return path
@@ -123,7 +123,7 @@ def demonstrate_in_mazes(
             courses[_route_of(j, len(courses))],
             partial(AbleDriver, config=drivers[j % MAZE_DRIVERS]),
             assistant,
-            _SEEDS * seed + j,
+            maze_seed(seed, j),
             config,
             path,
         )
@@ -187,15 +187,14 @@ def drive_to_destinations(
     if not 1 <= runs <= HOME_DRIVERS * RUNS_EACH:
         raise ValueError(f"runs must be 1..{HOME_DRIVERS * RUNS_EACH}, got {runs}")
     config = config or RunConfig()
-    first = _SEEDS * seed + _HOME_SEEDS
-    drivers = able_population(HOME_DRIVERS, first)
+    drivers = able_population(HOME_DRIVERS, home_seed(seed, 0))
     assistant = partial(make_assistant, "none", StudyModels(), config)
     jobs = [
         Job(
-            home_20x19(first + k),
+            home_20x19(home_seed(seed, k)),
             partial(AbleDriver, config=drivers[k % HOME_DRIVERS]),
             assistant,
-            first + k,
+            home_seed(seed, k),
             config,
             folder / f"home-{k:02d}.mcap",
         )

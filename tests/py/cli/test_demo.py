@@ -13,6 +13,7 @@ from calling import run
 from lfdcore.datasets import open_log
 from lfdcore.simulated.courses import course_by_name
 from lfdcore.study import arms, demonstrations
+from lfdcore.study.demo import demo_study
 from lfdcore.study.demonstrations import demonstrate_in_mazes, drive_to_destinations
 from lfdcore.study.heatmaps import report
 from lfdcore.study.report import page
@@ -29,8 +30,8 @@ def short(monkeypatch) -> None:
     def mazes(folder, seed, progress):
         return demonstrate_in_mazes(folder, seed, runs=2, progress=progress)
 
-    def homes(folder, seed, processes, progress):
-        return drive_to_destinations(folder, seed, runs=2, processes=processes, progress=progress)
+    def homes(folder, seed, progress):
+        return drive_to_destinations(folder, seed, runs=2, progress=progress)
 
     monkeypatch.setattr(arms, "course_by_name", lambda name, seed: course_by_name("flat", seed))
     monkeypatch.setattr(demonstrations, "demonstrate_in_mazes", mazes)
@@ -75,6 +76,12 @@ def test_the_demo_shows_all_its_parts_without_the_training_extra(
     assert [title for title in titles if f"<h2>{title}</h2>" not in written] == []
     assert "learned from demonstrations of seed 1" in written
     assert "lfdcore demo --drivers 1 --task-starts 0 --seed 2</code>" in written
+
+
+@pytest.mark.parametrize("train", [False, True])
+def test_the_demo_says_the_command_that_repeats_it(train) -> None:
+    words = demo_study(3, 0, 2, train=train).command().split()
+    assert words == [*["lfdcore", "demo", "--drivers", "3", "--task-starts", "0", "--seed", "2"], *["--train"] * train]
 
 
 def test_a_demo_that_trains_says_which_extra_is_missing(short, without_training, tmp_path, monkeypatch, capsys) -> None:

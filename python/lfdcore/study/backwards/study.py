@@ -37,9 +37,7 @@ class BackwardsStudy(Study):
     title = "backwards with a scanner that sees all around (Sec. 6.2.1)"
 
     model: HeatmapsFile = None
-    arms: Annotated[
-        tuple[str, ...], Option("Of none, supervisor, dwa_1s, two_way (the heatmaps').", flag="--assistants")
-    ] = ARMS
+    arms: Annotated[tuple[str, ...], Option(f"Of {', '.join(ARMS)} (the heatmaps').", flag="--assistants")] = ARMS
     drivers: Annotated[int, Option("Simulated drivers of each kind.", minimum=1)] = 10
     kinds: tuple[str, ...] = DRIVERS
 

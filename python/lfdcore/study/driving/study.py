@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import Annotated
 
 from lfdcore.progress import StageProgress, silent
-from lfdcore.study.arms import ARMS, METHODS, StudyModels, courses_by_name, models_by_method, require_arms
+from lfdcore.study.arms import (
+    ARMS,
+    FOOTNOTE_ARMS,
+    METHODS,
+    StudyModels,
+    courses_by_name,
+    models_by_method,
+    require_arms,
+)
 from lfdcore.study.demonstrations import (
     demonstration_paths,
     learn_from_demonstrations,
@@ -33,9 +41,7 @@ class DrivingStudy(Study):
     courses: Annotated[tuple[str, ...], Option("Comma-separated names of courses or map .yaml files.")] = (
         "standard_course",
     )
-    assistants: Annotated[
-        tuple[str, ...], Option("Of none, dwa, primitives, heatmaps; dwa_1s, supervisor, thesis, heatmaps_thesis.")
-    ] = ARMS
+    assistants: Annotated[tuple[str, ...], Option(f"Of {', '.join(ARMS)}; {', '.join(FOOTNOTE_ARMS)}.")] = ARMS
     drivers: Annotated[int, Option("Simulated impaired drivers.", minimum=1)] = 10
     starts: Annotated[int, Option("Starts of each task; 0: no tasks.", minimum=0, flag="--task-starts")] = 20
 

@@ -204,13 +204,12 @@ def a_posteriori_sections(
     demonstrations: Sequence[Path],
     seed: int,
     progress: StageProgress | None = None,
-    processes: int | None = None,
 ) -> list[Section]:
     """All of it: 30 drives to destinations, recorded in `folder`; their comparison; the stages; and the calibration,
     if the model says which of its `demonstrations` (all its logs, in their order) were held out."""
     tell = progress or silent
-    drives = drive_to_destinations(folder, seed, processes=processes, progress=partial(tell, "drive to destinations"))
-    comparison = compare_on_logs(drives.paths, files, None, partial(tell, "compare"), processes)
+    drives = drive_to_destinations(folder, seed, progress=partial(tell, "drive to destinations"))
+    comparison = compare_on_logs(drives.paths, files, progress=partial(tell, "compare"))
     models, logs = files.load(), [open_log(path) for path in drives.paths]
     demonstrated = [open_log(path) for path in demonstrations]
     sections = [

@@ -13,13 +13,16 @@ from lfdcore.simulated.drivers import ImpairedDriver, population
 from lfdcore.simulated.run import Job
 from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels, make_assistant, planners
+from lfdcore.study.demonstrations import maze_seed
 from lfdcore.study.driving.plan import metric_rows
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.learning_curve.models import model_files
 from lfdcore.study.learning_curve.study import METHODS, NOBODY, LearningCurveStudy
 
-_SEEDS, _FIRST_WAY = 1000, 600
-"""Way and noise of driver k are of seed 1000 `seed` + 600 + k, which no demonstration and no other run has."""
+
+def way_seed(seed: int, driver: int) -> int:
+    """Of a driver's way and noise: that of no demonstration and of no other run."""
+    return maze_seed(seed, 600 + driver)
 
 
 def closed_loop_rows(study: LearningCurveStudy, folder: Path, tell: StageProgress = silent) -> list[dict[str, Any]]:
@@ -38,13 +41,12 @@ def closed_loop_rows(study: LearningCurveStudy, folder: Path, tell: StageProgres
 
 def drives_of(study: LearningCurveStudy, method: str, models: StudyModels) -> list[Job]:
     """A job a driver, the same ways and noise for every method and model."""
-    first = _SEEDS * study.seed + _FIRST_WAY
     return [
         Job(
-            home_20x19(first + k),
+            home_20x19(way_seed(study.seed, k)),
             partial(ImpairedDriver, config=config),
             partial(make_assistant, method, models, study.run),
-            first + k,
+            way_seed(study.seed, k),
             study.run,
         )
         for k, config in enumerate(population(study.drivers, study.seed))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lfdcore.pictures.style import Picture
 from lfdcore.progress import StageProgress, silent
-from lfdcore.study.learning_curve.closed_loop import closed_loop_rows
+from lfdcore.study.demonstrations import home_seed, maze_seed
+from lfdcore.study.learning_curve.closed_loop import closed_loop_rows, way_seed
 from lfdcore.study.learning_curve.curve import CurvePoint, LearningCurve
 from lfdcore.study.learning_curve.models import learn_curve_models
 from lfdcore.study.learning_curve.pictures import curve_figure, method_name
@@ -26,14 +27,17 @@ TITLE = "How much demonstration is enough"
 def origin(curve: LearningCurve) -> str:
     """n and seeds of everything."""
     study = curve.study
-    first = 1000 * study.seed
     samples = sum(e["samples"] for e in curve.errors if e["method"] == STRAIGHT)
     return (
-        f"Demonstrations: the first n of the runs in the mazes, seeds {first}..{first + max(study.runs) - 1}. Closed "
-        f"loop: n = {study.drivers} simulated impaired drivers, each on a way of its own in home_20x19, seeds "
-        f"{first + 600}..{first + 599 + study.drivers}. Predicted paths: {study.predicted} runs of simulated able "
-        f"drivers there, seeds {first + 500}..{first + 499 + study.predicted}, {samples} scans."
+        f"Demonstrations: the first n of the runs in the mazes, seeds {_seeds(maze_seed, study, max(study.runs))}. "
+        f"Closed loop: n = {study.drivers} simulated impaired drivers, each on a way of its own in home_20x19, seeds "
+        f"{_seeds(way_seed, study, study.drivers)}. Predicted paths: {study.predicted} runs of simulated able "
+        f"drivers there, seeds {_seeds(home_seed, study, study.predicted)}, {samples} scans."
     )
+
+
+def _seeds(of: Callable[[int, int], int], study: LearningCurveStudy, runs: int) -> str:
+    return f"{of(study.seed, 0)}..{of(study.seed, runs - 1)}"
 
 
 def curve_headline(curve: LearningCurve) -> str:
