@@ -32,7 +32,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,7 @@ from numpy.typing import NDArray
 
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.scene import Box, box_metadata, environment_of, standing_box
+from lfdcore.simulated.minimum_jerk import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -186,7 +188,8 @@ def covering_data(
     """
     if seed < 0 or held_out < 1:
         raise ValueError(f"seed must be >= 0 and held_out >= 1, got {seed} and {held_out}")
-    made = _Maker(protocol, {**vars(config or CoveringConfig()), "placing": protocol.placing})
+    config = replace(config or CoveringConfig(), placing=protocol.placing)
+    made = partial(demonstrate_covering, config=config, environment_names=protocol.environment_names)
     each = range(protocol.demonstrations)
     training = [made(one, [seed, 0, k, i]) for k, one in enumerate(protocol.training) for i in each]
     known, novel = (
@@ -206,16 +209,6 @@ def write_demonstrations(folder: Path, data: CoveringData) -> None:
         stem = folder / f"new-{name.replace(' ', '-')}"
         people[0].save(stem.with_suffix(".npz"))
         stem.with_suffix(".json").write_text(json.dumps(people[0].environment, indent=2) + "\n")
-
-
-@dataclass(frozen=True)
-class _Maker:
-    protocol: CoveringProtocol
-    settings: dict[str, float] = field(default_factory=dict)
-
-    def __call__(self, one: CoveredObject, seed: Sequence[int]) -> InteractionRecording:
-        config = CoveringConfig(**self.settings)
-        return demonstrate_covering(one, seed, config, self.protocol.environment_names)
 
 
 def demonstrate_covering(
@@ -263,7 +256,7 @@ class _Shared:
     def phase(self, u: Array) -> Array:
         """(T,) of the motion at shares (T,) of the time; it begins at 0, still."""
         warped: Array = u + self.warp * np.sin(2 * np.pi * u) / (2 * np.pi)
-        return warped + self.lead * _jerk(u / 0.05) * _jerk((1 - u) / 0.05)
+        return warped + self.lead * minimum_jerk(u / 0.05) * minimum_jerk((1 - u) / 0.05)
 
 
 def _clipped(rng: np.random.Generator, sd: float, size: int | tuple[int, ...] | None = None) -> Array:
@@ -288,14 +281,9 @@ def _moves(u: Array, start: float, *moves: tuple[float, float, float]) -> Array:
     """From `start` over each (place, begin, end) in turn by minimum jerk; intervals may overlap."""
     at, value = start, np.full(len(u), start)
     for place, begin, end in moves:
-        value += (place - at) * _jerk((u - begin) / (end - begin))
+        value += (place - at) * minimum_jerk((u - begin) / (end - begin))
         at = place
     return value
-
-
-def _jerk(s: Array) -> Array:
-    s = np.clip(s, 0, 1)
-    return s**3 * (10 - 15 * s + 6 * s**2)
 
 
 def _pointing(yaw: Array, pitch: Array) -> Array:
@@ -315,7 +303,7 @@ def _hands(u: Array, shared: _Shared, box: Box, rng: np.random.Generator, config
     for ahead in (0.0, 0.10):
         x = _moves(u, 1.15 + ahead, (1.12 + ahead, 0.10, 0.50), (1.15 + ahead, 0.55, 0.95))
         y = _moves(u, -0.10 + ahead, (reach - 0.10 + ahead, 0.15, 0.85))
-        off = _clipped(rng, config.start, 3)[:, None] * (1 - _jerk(u / 0.35))
+        off = _clipped(rng, config.start, 3)[:, None] * (1 - minimum_jerk(u / 0.35))
         hands += [x + off[0], y + off[1], height + off[2]]
     return np.stack(hands, axis=1)
 
@@ -334,7 +322,7 @@ def _unsteady(rng: np.random.Generator, samples: int, columns: int) -> Array:
     knots = _clipped(rng, 1.0, (int(samples * PERIOD) + 3, columns))
     at = PERIOD * np.arange(samples, dtype=np.float64)
     whole = at.astype(int)
-    joined: Array = knots[whole] + (knots[whole + 1] - knots[whole]) * _jerk(at - whole)[:, None]
+    joined: Array = knots[whole] + (knots[whole + 1] - knots[whole]) * minimum_jerk(at - whole)[:, None]
     return joined
 
 

@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from lfdcore.datasets.interaction import InteractionRecording
 from lfdcore.humanoid.contact import segment_distance
 from lfdcore.primitives import dtw_distance
+from lfdcore.simulated.minimum_jerk import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -114,10 +115,10 @@ def _drawn_path(rectangle: Rectangle, rng: np.random.Generator) -> NDArray[np.fl
     margin = np.clip(rng.normal(22, 2), 14, 30)
     side, run = np.clip(rng.normal(20, 2), 12, 28), np.clip(rng.normal(120, 4), 105, 135)
     u = np.linspace(0, 1, STEPS)
-    progress = _jerk((u + tempo * np.sin(2 * np.pi * u) / (2 * np.pi) - rest) / (1 - rest - end))
+    progress = minimum_jerk((u + tempo * np.sin(2 * np.pi * u) / (2 * np.pi) - rest) / (1 - rest - end))
     x = x0 + (x1 - x0) * progress
     half = rectangle.width / 2 + side + run
-    bump = _jerk((x - (MIDDLE - half)) / run) * _jerk(((MIDDLE + half) - x) / run)
+    bump = minimum_jerk((x - (MIDDLE - half)) / run) * minimum_jerk(((MIDDLE + half) - x) / run)
     crown = CROWN * (1 - ((x - MIDDLE) / (half - run)) ** 2)
     top = GROUND - rectangle.height - margin - crown
     level = y0 + (y1 - y0) * progress
@@ -125,11 +126,6 @@ def _drawn_path(rectangle: Rectangle, rng: np.random.Generator) -> NDArray[np.fl
     tremor = np.stack([_smooth(rng.normal(0, 0.8 * 3, STEPS), 9) for _ in range(2)], axis=1)
     path += tremor * (4 * progress * (1 - progress))[:, None]
     return path
-
-
-def _jerk(s: Array) -> Array:
-    s = np.clip(s, 0, 1)
-    return s**3 * (10 - 15 * s + 6 * s**2)
 
 
 def _smooth(noise: Array, width: int) -> Array:
