@@ -17,7 +17,8 @@ from lfdcore.progress import StageProgress, silent
 from lfdcore.simulated.courses import home_20x19
 from lfdcore.study.demonstrations import RecordedDrives, drive_to_destinations
 from lfdcore.study.heatmaps.calibration import REACH, CalibrationCheck, check_calibration, judged_cells
-from lfdcore.study.heatmaps.comparison import METHODS, Comparison, ModelFiles, compare_on_logs
+from lfdcore.study.heatmaps.comparison import METHODS, STEP, Comparison, ModelFiles, compare_on_logs
+from lfdcore.study.heatmaps.comparison import REACH as WAY
 from lfdcore.study.heatmaps.pictures import (
     METHOD_NAMES,
     concatenated_figure,
@@ -32,28 +33,35 @@ from lfdcore.study.report.statistics import paired_test, summarise, summarise_bo
 from lfdcore.study.report.table import Row, Table
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlannerConfig
+from lfdcore.wheelchair.planner import LOOK_AHEAD
+from lfdcore.wheelchair.window import RESOLUTION
 
 _ROWS = (
     ("reward", "reward at positions", 3, ("0.62+-0.10", "0.56+-0.17", "0.67+-0.051")),
     ("rank", "its percentile rank [%]", 1, ("-", "-", "-")),
-    ("near", "path RMSE, first .8 m [m]", 3, ("0.05+-0.12", "0.14+-0.18", "0.047+-0.09")),
-    ("whole", "... up to 2.5 m [m]", 3, ("-", "-", "-")),
+    ("near", f"path RMSE, first {LOOK_AHEAD:g} m [m]", 3, ("0.05+-0.12", "0.14+-0.18", "0.047+-0.09")),
+    ("whole", f"... up to {WAY:g} m [m]", 3, ("-", "-", "-")),
     ("at_equal_length", "... at equal arc length [m]", 3, ("-", "-", "-")),
     ("without_path", "frames without a path", 3, ("-", "-", "-")),
 )
 _TIMES = "0.5 s, 0.2 s, 0.2 s"
+MOST_ERROR = 0.05
+"""calibration error of a run that is to be reached"""
+_KNOWN_TO = 0.25
+"""[m] on either side, to say what a probability of a cell can be"""
 _DEFINITIONS = (
     "mean+-sd over runs (several of one driver, not independent), the mean's 95 % interval (Student's; of the "
     "share of frames a seeded bootstrap's), below it the thesis's figure (its users, home and chair). p: against "
     "heatmaps, paired over runs (exact Wilcoxon signed-rank), not corrected for their number. Reward: mean at the "
-    "positions driven, every .05 m, of the concatenated landscapes (Alg. 4), each squashed to (0, 1): less its "
+    "positions driven, every {step:g} m, of the concatenated landscapes (Alg. 4), each squashed to (0, 1): less its "
     "smallest value over cells that may be entered, divided by its largest, the same for all methods. How fast "
     "values fall with the distance from a goal is set by the discount ({discounts}), so that rewards of different "
     "optimisers hardly compare; the percentile rank among all cells seen does not depend on the scale of the map. "
     "Path RMSE: root mean square of the distance from the planned path's points to the way then driven, mean over "
-    "a run's frames, for the first .8 m (pure pursuit's look-ahead) and up to 2.5 m; the thesis does not define "
-    "its own. A plan starts at the centre of the chair's cell, .025 m left of the axle: along a straight way that "
-    "alone makes .025 m. At equal arc length: both compared up to 2.5 m, the path straight on beyond its end."
+    "a run's frames, for the first {look_ahead:g} m (pure pursuit's look-ahead) and up to {reach:g} m; the thesis does "
+    "not define its own. A plan starts at the centre of the chair's cell, {half_cell:g} m left of the axle: along a "
+    "straight way that alone makes {half_cell:g} m. At equal arc length: both compared up to {reach:g} m, the path "
+    "straight on beyond its end."
 )
 
 
@@ -84,7 +92,7 @@ def comparison_table(comparison: Comparison, seed: int | None) -> Table:
         f"{config.period:g} s of driving{drawn})",
         ("", *(METHOD_NAMES[method].replace(" (", "\n(") for method in METHODS), "p,\nprimitives", "p,\nnaive"),
         tuple(rows),
-        _DEFINITIONS.format(discounts=discounts)
+        _DEFINITIONS.format(discounts=discounts, step=STEP, look_ahead=LOOK_AHEAD, reach=WAY, half_cell=RESOLUTION / 2)
         + f" {_doubt(config.heatmaps)} Time: from the observation to the end of the coarse path, medians of runs; "
         f"thesis: {_TIMES}.",
     )
@@ -131,7 +139,8 @@ def comparison_section(
     )
     return Section(
         "What the methods predict, a posteriori (Sec. 4.6.2)",
-        f"All three methods see the same unassisted drives and plan every .5 s. {comparison_verdict(comparison)}",
+        "All three methods see the same unassisted drives and plan every "
+        f"{comparison.config.period:g} s. {comparison_verdict(comparison)}",
         [comparison_table(comparison, seed)],
         pictures,
     )
@@ -154,9 +163,10 @@ def calibration_table(check: CalibrationCheck, seed: int) -> Table:
         rows,
         f"Fitted on {check.fitted_runs} maze runs ({check.fitted_cells} cells) that the network was not trained on, "
         "though others in the same mazes were and the joystick's Gaussian processes saw them. Error of a run: "
-        f"{each.mean:.4f}+-{each.sd:.4f}, 95 % interval [{each.low:.4f}, {each.high:.4f}]; to reach: 0.05. Likeliest "
-        "cells: those that hold half of all crossings. A cell is .05 m wide, so that a way known to .25 m on either "
-        "side crosses it with a probability of .1: no heatmap comes near 1. A constant rate is calibrated and knows "
+        f"{each.mean:.4f}+-{each.sd:.4f}, 95 % interval [{each.low:.4f}, {each.high:.4f}]; to reach: {MOST_ERROR:g}. "
+        f"Likeliest cells: those that hold half of all crossings. A cell is {RESOLUTION:g} m wide, so that a way known "
+        f"to {_KNOWN_TO:g} m on either side crosses it with a probability of {RESOLUTION / (2 * _KNOWN_TO):g}: no "
+        "heatmap comes near 1. A constant rate is calibrated and knows "
         f"nothing: of its Brier score calibrated heat takes off {100 * skill:.1f} %.",
     )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lfdcore.pictures.style import Picture
 from lfdcore.progress import StageProgress
-from lfdcore.simulated.passing import NOVEL, TRAINING
+from lfdcore.simulated.passing import NOVEL, STEPS, TRAINING
 from lfdcore.study.passing.pictures import demonstrations_figure, distance_figure, observations_figure
 from lfdcore.study.passing.study import (
     ARMS,
@@ -35,6 +35,8 @@ TITLE = "Passing over a rectangle (Sec. 5.5)"
 FORMS = {"": "positions", ", phase given": "phase given", ", printed": "as printed"}
 """Ends of the arms' names, and what they stand for."""
 BOTH, _ = AXES
+FEW, MANY = 40, 100
+"""samples: up to so many little is observed, from so many on much"""
 
 
 # -- figures to reach -----------------------------------------------------------------------------------------------
@@ -46,14 +48,14 @@ def claims(result: PassingResult, form: str = "") -> list[Aim]:
     ip, eaip, ip_x, eaip_x = (
         result.by_seed(result.distance, arm + form, seen, "novel") for seen in AXES for arm in ("IP", "EaIP")
     )
-    few, many = lengths <= 40, lengths >= 100
-    begin, end = lengths == 0, lengths == lengths.max()
+    few, many = lengths <= FEW, lengths >= MANY
+    begin, end = lengths == 0, lengths == STEPS
     return [
-        _worst("1. little is observed (L <= 40): EaIP / IP", -np.inf, 0.6, eaip, ip, lengths, few),
-        _worst("2. both axes, L >= 100: IP / EaIP", 0.85, 1.15, ip, eaip, lengths, many),
-        _fixed("3. horizontal only: IP at L = 150 / at L = 0", 0.9, np.inf, ip_x[:, end], ip_x[:, begin]),
+        _worst(f"1. little is observed (L <= {FEW}): EaIP / IP", -np.inf, 0.6, eaip, ip, lengths, few),
+        _worst(f"2. both axes, L >= {MANY}: IP / EaIP", 0.85, 1.15, ip, eaip, lengths, many),
+        _fixed(f"3. horizontal only: IP at L = {STEPS} / at L = 0", 0.9, np.inf, ip_x[:, end], ip_x[:, begin]),
         _worst("... EaIP / IP, at every L", -np.inf, 0.6, eaip_x, ip_x, lengths, lengths >= 0),
-        _fixed("4. EaIP at L = 0 / at L = 150", -np.inf, 1.6, eaip[:, begin], eaip[:, end]),
+        _fixed(f"4. EaIP at L = 0 / at L = {STEPS}", -np.inf, 1.6, eaip[:, begin], eaip[:, end]),
     ]
 
 
@@ -97,10 +99,11 @@ def claims_table(result: PassingResult) -> Table:
 
 def _cases(result: PassingResult) -> str:
     """How often claim 1's direction holds one by one."""
-    few = np.array(result.study.lengths) <= 40
+    few = np.array(result.study.lengths) <= FEW
     novel = result.distance[:, :, 0, :, len(TRAINING) :][:, :, few].mean(axis=-1)
     ip, eaip = novel[:, 0], novel[:, 1]
-    return f"Case by case (seed, rectangle, L <= 40): EaIP is nearer in {100 * (eaip < ip).mean():.0f} % of {ip.size}."
+    share = 100 * (eaip < ip).mean()
+    return f"Case by case (seed, rectangle, L <= {FEW}): EaIP is nearer in {share:.0f} % of {ip.size}."
 
 
 def _origin(result: PassingResult) -> str:
