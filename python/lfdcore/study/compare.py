@@ -113,8 +113,8 @@ def _number(value: object) -> bool:
 
 
 def _beside(name: str) -> bool:
-    """Whether a column stands beside a figure: an interval's end, a count, a verdict."""
-    return name.rsplit("_", 1)[-1] in ("low", "high", "n", "missing", "reached")
+    """Whether a column stands beside a figure: an interval's end, a count, what is wanted, a verdict."""
+    return name.rsplit("_", 1)[-1] in ("low", "high", "n", "missing", "wanted", "reached")
 
 
 def _repetitions(values: dict[int | None, float]) -> dict[int | None, float]:

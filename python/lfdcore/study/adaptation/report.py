@@ -66,7 +66,7 @@ def ratio_rows(runs: Sequence[AdaptationRun]) -> list[dict[str, Any]]:
     """A row a bias for machines: pooled ratios with 95 % intervals over drivers, and what is wanted."""
     rows = []
     for bias, mine in by_bias(runs):
-        row: dict[str, Any] = {"bias": bias, "runs": len(mine), "wanted": _wanted(bias)}
+        row: dict[str, Any] = {"bias": bias, "after": mine[0].after, "n": len(mine), "wanted": _wanted(bias)}
         for stage in JUDGED:
             row[f"ratio_{stage}"] = pooled_ratio(mine, stage)
             row[f"ratio_{stage}_low"], row[f"ratio_{stage}_high"] = _interval(mine, stage)
@@ -147,7 +147,7 @@ def findings(runs: Sequence[AdaptationRun]) -> Findings:
         headline=adaptation_headline(runs),
         sections=[Section(TITLE, text, [adaptation_table(runs)], [picture])],
         rows=[*(run.row() for run in runs), *ratio_rows(runs)],
-        keys=("course", "bias", "seed"),
+        keys=("course", "bias", "after", "seed"),
         aims=aims(runs),
     )
 

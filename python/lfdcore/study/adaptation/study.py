@@ -93,7 +93,7 @@ class AdaptationRun:
 
     def row(self) -> dict[str, Any]:
         """For machines."""
-        names = ("course", "driver", "seed", "bias", "outcome", "collisions", "after", "ticks")
+        names = ("course", "seed", "bias", "outcome", "collisions", "after", "ticks")
         return {name: getattr(self, name) for name in names} | {stage: self.mean(stage) for stage in STAGES}
 
 

@@ -21,6 +21,8 @@ from lfdcore.study.adaptation.study import (
     pooled_ratio,
     run_adaptation_study,
 )
+from lfdcore.study.compare import compare
+from lfdcore.study.study import as_document
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant, SteeringOffset
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
@@ -76,9 +78,15 @@ def test_the_findings_say_ratios_and_aims_of_each_bias_and_hold_every_run(runs: 
     assert [aim.found for aim in found.aims] == [pooled_ratio([run], s) for run in runs[::-1] for s in STAGES[1:]]
     assert [aim.wanted for aim in found.aims] == ["<= 0.7", "<= 0.7", "<= 1.05", "<= 1.05"]
     assert list(found.rows[:2]) == [run.row() for run in runs]
-    assert [(row["bias"], row["runs"]) for row in found.rows[2:]] == [(-0.3, 1), (0.0, 1)]
+    assert [(row["bias"], row["n"]) for row in found.rows[2:]] == [(-0.3, 1), (0.0, 1)]
     assert f"{pooled_ratio(runs[1:], 'adapting'):.2f} (bias -0.30 rad)" in found.headline
     assert f"{pooled_ratio(runs[:1], 'adapting'):.2f} (no bias)" in found.headline and "seeds 1..1" in found.headline
+
+
+def test_two_reports_are_compared_by_what_was_measured_alone(runs: tuple[AdaptationRun, ...]) -> None:
+    document = as_document(AdaptationStudy(), findings(runs))
+    measured = {"collisions", "ticks", *STAGES, *(f"ratio_{stage}" for stage in STAGES[1:])}
+    assert {one.figure for one in compare(document, document)} == measured
 
 
 def test_a_drive_that_ends_before_it_is_judged_is_refused(heatmap_model: Path, tmp_path: Path) -> None:
