@@ -98,6 +98,15 @@ def test_an_unknown_or_missing_name_is_refused_and_named(kind: type) -> None:
             unpickled(kind, {name: value for name, value in state.items() if name != missing})
 
 
+@every_config
+def test_a_value_of_another_type_is_refused_and_named(kind: type) -> None:
+    state = kind().__getstate__()
+    for name, value in state.items():
+        wrong = 1 if isinstance(value, str) else "many"
+        with pytest.raises(ValueError, match=f"{kind.__name__}'s field '{name}' is {wrong!r}, of another type"):
+            unpickled(kind, {**state, name: wrong})
+
+
 def test_values_that_the_constructor_refuses_are_refused_by_a_pickle_too() -> None:
     state = MotionLimits().__getstate__()
     with pytest.raises(ValueError, match="max_linear"):
