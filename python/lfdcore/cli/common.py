@@ -38,6 +38,14 @@ def print_json(value: Any) -> None:
     typer.echo(json.dumps(plain_json(value), indent=2, allow_nan=False))
 
 
+def show_facts(facts: dict[str, Any], as_json: bool) -> None:
+    """For machines or for people."""
+    if as_json:
+        print_json(facts)
+    else:
+        print_facts(facts)
+
+
 def print_facts(facts: dict[str, Any]) -> None:
     """Prints a line a fact, aligned; a list longer than a line by its ends and length."""
     for name, value in facts.items():

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lfdcore.cli.common import JsonOption, print_facts, print_json
+from lfdcore.cli.common import JsonOption, show_facts
 
 
 def info(
@@ -16,11 +16,7 @@ def info(
     as_json: JsonOption = False,
 ) -> None:
     """Say what a drive log, a recorded collaboration, a model or a map holds."""
-    facts = _facts(file)
-    if as_json:
-        print_json(facts)
-        return
-    print_facts(facts)
+    show_facts(_facts(file), as_json)
 
 
 def _facts(file: Path) -> dict[str, Any]:

@@ -11,11 +11,10 @@ from lfdcore.cli.common import (
     JsonOption,
     PresetOption,
     Stages,
-    print_facts,
-    print_json,
     progress_bar,
     require_each_once,
     require_writable,
+    show_facts,
 )
 from lfdcore.study.preset import Preset
 
@@ -47,8 +46,4 @@ def learn_collaboration_command(
         report = Stages(bar).step("noise, leaving demonstrations out")
         model = learn_collaboration(recordings, replace(config, environment=environment), progress=report)
     model.save(output)
-    facts = {"model": str(output), **model.summary()}
-    if as_json:
-        print_json(facts)
-        return
-    print_facts(facts)
+    show_facts({"model": str(output), **model.summary()}, as_json)

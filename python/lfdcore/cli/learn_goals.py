@@ -13,11 +13,10 @@ from lfdcore.cli.common import (
     PresetOption,
     SeedOption,
     Stages,
-    print_facts,
-    print_json,
     progress_bar,
     require_each_once,
     require_writable,
+    show_facts,
 )
 from lfdcore.study.preset import Preset
 
@@ -51,8 +50,4 @@ def learn_goals_command(
     with progress_bar() as bar:
         model = learn_goals(drives, places, config, Stages(bar), processes)
     model.save(output)
-    facts = {"model": str(output), **model.summary()}
-    if as_json:
-        print_json(facts)
-        return
-    print_facts(facts)
+    show_facts({"model": str(output), **model.summary()}, as_json)
