@@ -194,10 +194,13 @@ def _scans(messages: list[tuple[int, Any]], epoch: int) -> dict[str, Any]:
     first = messages[0][1]
     ranges = []
     for stamp, scan in messages:
+        at = f"the scan at {(stamp - epoch) / 1e9} s"
         if len(scan.ranges) != len(first.ranges):
-            at = (stamp - epoch) / 1e9
-            raise ValueError(f"the scan at {at} s has {len(scan.ranges)} beams, the first has {len(first.ranges)}")
-        ranges.append(_ranges(scan))
+            raise ValueError(f"{at} has {len(scan.ranges)} beams, the first has {len(first.ranges)}")
+        try:
+            ranges.append(_ranges(scan))
+        except ValueError as error:
+            raise ValueError(f"{at}: {error}") from error
     return {
         "scan_stamp": np.array([(stamp - epoch) / 1e9 for stamp, _ in messages]),
         "ranges": np.stack(ranges),

@@ -268,3 +268,10 @@ def test_a_bag_whose_beams_change_is_refused_with_the_stamp(tmp_path: Path) -> N
     wider = ("/base_scan", "sensor_msgs/msg/LaserScan", at, ros.scan_message(at, LaserScan([1.0] * 7, -1.5, 0.5)))
     with pytest.raises(DataError, match=r"the scan at 0\.3 s has 7 beams, the first has 4"):
         open_log(WRITERS["ros2 mcap"](tmp_path, [*drive(), wider]))
+
+
+def test_a_scan_whose_limits_say_nothing_is_refused_with_the_stamp(tmp_path: Path) -> None:
+    messages = scans_of(SCAN, SCAN, SCAN)
+    messages[-1][-1].range_max = 0.0
+    with pytest.raises(DataError, match=r"the scan at 0\.2 s: .*range_max"):
+        read_rosbag(write_ros2(tmp_path / "drive", messages))
