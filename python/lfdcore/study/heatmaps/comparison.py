@@ -24,21 +24,21 @@ from lfdcore.datasets import open_log
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import way_ahead
 from lfdcore.geometry import arc_length
-from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid, local_grid
-from lfdcore.planning import DppSolver, GridMdp, QLearningSolver
+from lfdcore.grid import HeatmapMap, ObstaclePoints, OccupancyGrid
+from lfdcore.planning import DppSolver, GridMdp, OrientationMoments, QLearningSolver
 from lfdcore.progress import Progress, StageProgress, silent
 from lfdcore.study.jobs import run_jobs
 from lfdcore.training.drive_primitives import first_share, learn_drive
 from lfdcore.wheelchair.drivable_path import DrivablePathConfig
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
-from lfdcore.wheelchair.heatmaps.planner import Heat, HeatmapPlanner, HeatmapPlannerConfig
+from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import MOVING, ChairGeometry, Observation, observations
 from lfdcore.wheelchair.paths import along, distance_to_polyline
 from lfdcore.wheelchair.planner import LOOK_AHEAD, PlannedPath, Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
-from lfdcore.wheelchair.window import RESOLUTION, WINDOW, blocked_mask, border_mask, free_mask, squashed
+from lfdcore.wheelchair.window import RESOLUTION, WINDOW, blocked_mask, border_mask, free_mask
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -121,14 +121,10 @@ class NaivePlanner(HeatmapPlanner):
         super().__init__(models.heatmaps, config, chair)
         self._network = models.naive.network
 
-    def heat(self, observation: Observation, grid: OccupancyGrid) -> Heat | None:
-        """`sensor` is what the network says of scan and stick, `user` 1 everywhere."""
-        orientation = self.orientation(np.array(observation.joystick))
-        if orientation is None:
-            return None
-        seen = local_grid(observation.scan, observation.scan_mounting(self.chair.T_base_laser))
-        heat = self._network.predict(free_mask(seen), np.array(observation.joystick))
-        return Heat(heat, np.ones_like(heat), squashed(heat * free_mask(grid)), orientation)
+    def sources(self, free: Mask, joystick: Floats, orientation: OrientationMoments) -> tuple[Heatmap, Heatmap]:
+        """The first is what the network says of scan and stick, the second 1 everywhere."""
+        heat = self._network.predict(free, joystick)
+        return heat, np.ones_like(heat)
 
 
 class _Solver(Protocol):

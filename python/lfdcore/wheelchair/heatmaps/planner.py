@@ -120,13 +120,20 @@ class HeatmapPlanner:
 
     def heat(self, observation: Observation, grid: OccupancyGrid) -> Heat | None:
         """The heatmaps (Sec. 4.3-4.5) over `grid`'s free cells; None for a stick at rest."""
-        orientation = self.orientation(np.array(observation.joystick))
+        joystick = np.array(observation.joystick)
+        orientation = self.orientation(joystick)
         if orientation is None:
             return None
         seen = local_grid(observation.scan, observation.scan_mounting(self.chair.T_base_laser))
-        sensor = self.model.sensor.predict(free_mask(seen))
-        user = user_heatmap(self._template, orientation).heatmap
+        sensor, user = self.sources(free_mask(seen), joystick, orientation)
         return Heat(sensor, user, squashed(sensor * user * free_mask(grid)), orientation)
+
+    def sources(
+        self, free: NDArray[np.bool_], joystick: NDArray[np.float64], orientation: OrientationMoments
+    ) -> tuple[Heatmap, Heatmap]:
+        """Sensor and user heatmap (100, 100), of what the scan sees free (100, 100), the stick (2,) and what is meant
+        by it."""
+        return self.model.sensor.predict(free), user_heatmap(self._template, orientation).heatmap
 
     def plan(self, observation: Observation, grid: OccupancyGrid, obstacles: ObstaclePoints) -> HeatmapPath | None:
         """See Planner."""
