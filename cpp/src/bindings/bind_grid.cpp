@@ -96,11 +96,26 @@ void bind_laser_scan(py::module_& m) {
 }
 
 void bind_obstacle_points(py::module_& m) {
-  py::class_<ObstaclePoints>(m, "ObstaclePoints",
-                             "Obstacles as points (M, 2) [m] that a LIDAR saw, all in one frame; exact clearance of a "
-                             "rectangular body from them.")
-      .def(py::init<Path>(), py::arg("points"))
+  py::class_<ObstaclePoints>(
+      m, "ObstaclePoints",
+      "Obstacles as points (M, 2) [m] that a LIDAR saw, all in one frame; exact clearance of a "
+      "rectangular body from them.\n\n"
+      "uncertainty (M,) [m], 0 to 100: how much nearer than its point each obstacle may be, e.g. "
+      "some standard errors of a fused range; empty: 0 for all. The supervisor keeps that much "
+      "more distance; collides() and clearance() are about the points alone.\n"
+      "ValueError for points that are not finite, and for uncertainties out of their bounds or "
+      "not as many as the points.")
+      .def(py::init([](Path points, const Eigen::VectorXd& uncertainty) {
+             return ObstaclePoints(std::move(points), {uncertainty.begin(), uncertainty.end()});
+           }),
+           py::arg("points"), py::arg("uncertainty") = Eigen::VectorXd())
       .def_property_readonly("points", &ObstaclePoints::points, "(M, 2) [m], a view")
+      .def_property_readonly(
+          "uncertainty",
+          [](const ObstaclePoints& o) {
+            return Eigen::Map<const Eigen::VectorXd>(o.uncertainty().data(), o.points().rows());
+          },
+          "(M,) [m], a view")
       .def("collides", &ObstaclePoints::collides, py::arg("pose"), py::arg("footprint"),
            "True if any point lies inside or on the footprint of a body at `pose`. ValueError if either is not finite.")
       .def("clearance", &ObstaclePoints::clearance, py::arg("pose"), py::arg("footprint"),
@@ -108,8 +123,9 @@ void bind_obstacle_points(py::module_& m) {
            "ValueError if pose or footprint is not finite.")
       .def(
           "__len__", [](const ObstaclePoints& o) { return o.points().rows(); }, "number of points")
-      .def(py::pickle([](const ObstaclePoints& o) { return py::make_tuple(o.points()); },
-                      [](const py::tuple& t) { return ObstaclePoints(t[0].cast<Path>()); }));
+      .def(py::pickle(
+          [](const ObstaclePoints& o) { return py::make_tuple(o.points(), o.uncertainty()); },
+          [](const py::tuple& t) { return ObstaclePoints(t[0].cast<Path>(), t[1].cast<std::vector<double>>()); }));
 }
 
 using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;

@@ -23,6 +23,17 @@ constexpr double slack = 1e-6;  // [m] by which searches reach farther than roun
   throw std::invalid_argument("footprint is not finite [m]");
 }
 
+// An empty list becomes one of zeros.
+void require_one_each(std::vector<double>& uncertainty, Eigen::Index points) {
+  const auto count = static_cast<std::size_t>(points);
+  if (uncertainty.empty()) uncertainty.resize(count);
+  if (uncertainty.size() != count) {
+    throw std::invalid_argument("uncertainty has " + std::to_string(uncertainty.size()) + " values, must have 0 or " +
+                                std::to_string(count) + ", one a point");
+  }
+  for (const double u : uncertainty) require_between("uncertainty", u, 0, 100, "m");
+}
+
 // A body's outline at its pose.
 struct Body {
   double x, y, c, s;
@@ -95,8 +106,10 @@ LFDCORE_CLONES void measure_along_row(const std::uint8_t* padded, std::uint8_t* 
 
 }  // namespace
 
-ObstaclePoints::ObstaclePoints(Path points) : points_(std::move(points)) {
+ObstaclePoints::ObstaclePoints(Path points, std::vector<double> uncertainty)
+    : points_(std::move(points)), uncertainty_(std::move(uncertainty)) {
   require(points_.allFinite(), "obstacle points must be finite [m]");
+  require_one_each(uncertainty_, points_.rows());
   if (points_.rows() == 0) return;
   lay_out_cells();
   sort_into_buckets();

@@ -126,9 +126,12 @@ class LaserScan:
 class ObstaclePoints:
     """
     Obstacles as points (M, 2) [m] that a LIDAR saw, all in one frame; exact clearance of a rectangular body from them.
+
+    uncertainty (M,) [m], 0 to 100: how much nearer than its point each obstacle may be, e.g. some standard errors of a fused range; empty: 0 for all. The supervisor keeps that much more distance; collides() and clearance() are about the points alone.
+    ValueError for points that are not finite, and for uncertainties out of their bounds or not as many as the points.
     """
 
-    def __init__(self, points: numpy.typing.ArrayLike) -> None: ...
+    def __init__(self, points: numpy.typing.ArrayLike, uncertainty: numpy.typing.ArrayLike = ...) -> None: ...
     def __len__(self) -> int:
         """
         number of points
@@ -148,6 +151,12 @@ class ObstaclePoints:
     def points(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (M, 2) [m], a view
+        """
+
+    @property
+    def uncertainty(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (M,) [m], a view
         """
 
 class RollingMap:

@@ -87,6 +87,23 @@ TEST(ObstaclePoints, that_coincide_are_one_obstacle) {
   EXPECT_DOUBLE_EQ(ObstaclePoints(points).clearance({0, 2, 0}, {}), 1.2);
 }
 
+TEST(ObstaclePoints, hold_an_uncertainty_a_point_that_moves_no_answer) {
+  const Path points = Path::Constant(2, 2, 2.0);
+  EXPECT_EQ(ObstaclePoints(points).uncertainty(), std::vector<double>(2, 0.0));
+  EXPECT_EQ(ObstaclePoints().uncertainty(), std::vector<double>());
+  const ObstaclePoints unsure(points, {0.1, 0.3});
+  EXPECT_EQ(unsure.uncertainty(), (std::vector<double>{0.1, 0.3}));
+  EXPECT_EQ(unsure.clearance({0, 2, 0}, {}), ObstaclePoints(points).clearance({0, 2, 0}, {}));
+}
+
+TEST(ObstaclePoints, refuse_uncertainties_out_of_bounds_or_number) {
+  const Path points = Path::Constant(2, 2, 2.0);
+  EXPECT_THROW(ObstaclePoints(points, {0.1}), std::invalid_argument);
+  EXPECT_THROW(ObstaclePoints(points, {0.1, -0.1}), std::invalid_argument);
+  EXPECT_THROW(ObstaclePoints(points, {0.1, NAN}), std::invalid_argument);
+  EXPECT_THROW(ObstaclePoints(points, {0.1, 101}), std::invalid_argument);
+}
+
 TEST(ObstaclePoints, refuse_what_is_not_finite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ObstaclePoints(Path::Constant(1, 2, nan)), std::invalid_argument);

@@ -14,10 +14,14 @@ namespace lfdcore {
 class ObstaclePoints {
  public:
   ObstaclePoints() = default;
-  /// Points (M, 2) [m] in any one frame; rows that are not finite are refused with std::invalid_argument.
-  explicit ObstaclePoints(Path points);
+  /// Points (M, 2) [m] in any one frame. `uncertainty` (M) [m]: how much nearer than its point each obstacle may be,
+  /// e.g. some standard errors of a fused range; empty: 0 for all. Throws std::invalid_argument for points that are not
+  /// finite, and for uncertainties that are not in [0, 100] or not as many as the points.
+  explicit ObstaclePoints(Path points, std::vector<double> uncertainty = {});
 
   const Path& points() const { return points_; }
+  /// (M) [m]. It is for those who keep a distance (Supervisor); collides() and clearance() are about the points alone.
+  const std::vector<double>& uncertainty() const { return uncertainty_; }
 
   /// True if any point lies inside (or on) the footprint of a body at `pose` (same frame as the points).
   /// Throws std::invalid_argument for a pose or footprint that is not finite.
@@ -45,6 +49,7 @@ class ObstaclePoints {
   bool any_point(const Buckets& buckets, Visit visit) const;
 
   Path points_ = Path(0, 2);
+  std::vector<double> uncertainty_;
   double corner_x_ = 0, corner_y_ = 0, cells_per_metre_ = 1;
   int width_ = 0, height_ = 0, bucket_columns_ = 0, bucket_rows_ = 0;
   std::vector<std::uint8_t> gaps_;       // (height, width): squared gap [cells] to the nearest cell with a point
