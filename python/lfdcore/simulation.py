@@ -6,6 +6,8 @@ from lfdcore._core.simulation import (
     ContactConfig,
     DrivingWorld,
     LidarConfig,
+    Person,
+    PersonContact,
     StepResult,
     joystick_to_twist,
 )
@@ -16,6 +18,8 @@ __all__ = [
     "ContactConfig",
     "DrivingWorld",
     "LidarConfig",
+    "Person",
+    "PersonContact",
     "StepResult",
     "joystick_to_twist",
 ]

@@ -59,7 +59,9 @@ void bind_step_result(py::module_& m) {
 }
 
 void bind_chair_state(py::module_& m) {
-  py::class_<ChairState>(m, "ChairState", "The truth about the chair, for drivers and metrics, not for assistants.")
+  py::class_<ChairState>(m, "ChairState",
+                         "The truth about the chair, for drivers and metrics, not for assistants. Its contacts are "
+                         "those with the map.")
       .def_readonly("stamp", &ChairState::stamp, "since the reset [s]")
       .def_property_readonly(
           "pose", [](const ChairState& s) { return s.pose; }, "T_map_base")
@@ -73,10 +75,54 @@ void bind_chair_state(py::module_& m) {
           "(2,) of the last collision: centre of the touched cell in the map [m]; NaN before one");
 }
 
+void bind_person(py::module_& m) {
+  bind_settings(
+      m, "Person",
+      "A whole person at the scanner's height as one disc: body, both legs and the room of a stride. Walks on at its "
+      "velocity. ValueError names a field out of range: position within 1e6 m, at most 10 m/s along each axis, "
+      "0 < radius <= 5 m.",
+      Field("position", &Person::position, "(2,) of the centre in map [m]"),
+      Field("velocity", &Person::velocity, "(2,) [m/s]"), Field("radius", &Person::radius, "[m]"));
+}
+
+const char* name_of(OutlinePart part) {
+  constexpr std::array names{"nose", "left", "right", "rear"};
+  return names[static_cast<std::size_t>(part)];
+}
+
+void bind_person_contact(py::module_& m) {
+  py::class_<PersonContact>(m, "PersonContact",
+                            "What was so when a contact of the chair with a person began: the first of the motors' "
+                            "periods at whose end disc and outline share a point.")
+      .def_readonly("person", &PersonContact::person, "its place among the people")
+      .def_readonly("stamp", &PersonContact::stamp, "since the reset [s]")
+      .def_property_readonly(
+          "pose", [](const PersonContact& c) { return c.pose; }, "of the chair, T_map_base")
+      .def_property_readonly(
+          "twist", [](const PersonContact& c) { return c.twist; }, "of its wheels")
+      .def_property_readonly(
+          "position", [](const PersonContact& c) { return c.position; }, "(2,) of the person in map [m]")
+      .def_property_readonly(
+          "velocity", [](const PersonContact& c) { return c.velocity; }, "(2,) of the person in map [m/s]")
+      .def_property_readonly(
+          "point", [](const PersonContact& c) { return c.point; },
+          "(2,) of the outline that is nearest to the person's centre, in base_link [m]")
+      .def_property_readonly(
+          "part", [](const PersonContact& c) { return name_of(c.part); },
+          "where that is: 'nose', 'left', 'right' or 'rear'; a corner belongs to the nose or the rear")
+      .def_readonly("chair_approach", &PersonContact::chair_approach,
+                    "speed of the outline at that point towards the person [m/s]")
+      .def_readonly("person_approach", &PersonContact::person_approach,
+                    "the person's speed towards the outline there [m/s]")
+      .def_readonly("chair_approach_since", &PersonContact::chair_approach_since,
+                    "the largest chair_approach while they touched, until the person's centre was inside [m/s]");
+}
+
 void bind_driving_world(py::module_& m) {
   py::class_<DrivingWorld>(
       m, "DrivingWorld",
-      "A chair with odometry and a LIDAR, driven through a map in control periods. The chair stands nowhere until "
+      "A chair with odometry and a LIDAR, driven through a map among people in control periods. The chair stands "
+      "nowhere until "
       "reset(). unknown_is_solid: unknown cells and all outside the map stop the chair and the LIDAR's beams alike "
       "(real buildings); else both pass. The same seed gives the same bytes; the noise of a period depends on the seed "
       "and the number of the period alone, whatever was driven, and scan noise and slip are separate streams.")
@@ -92,6 +138,20 @@ void bind_driving_world(py::module_& m) {
            "before a reset.")
       .def("scan", py::overload_cast<>(&DrivingWorld::scan, py::const_), without_gil(),
            "What the LIDAR sees now -> LaserScan; asked twice in a period, the same.")
+      .def("set_people", &DrivingWorld::set_people, py::arg("people"),
+           "The people (list of Person) from now on, each known by its place in the list: a contact goes on from one "
+           "list to the next. In step each walks straight on at its velocity, through whatever is there: they are no "
+           "walls, neither the chair nor they are stopped or pushed where they meet, which is counted "
+           "(person_contacts). Without people everything is as in a world that never had any, byte by byte. "
+           "ValueError before a reset, which takes all people away.")
+      .def_property_readonly("people", &DrivingWorld::people, "where they are now: list of Person, copies")
+      .def_property_readonly("person_contacts", &DrivingWorld::person_contacts,
+                             "list of PersonContact since the reset, in the order in which they began")
+      .def_property_readonly("touches_person", &DrivingWorld::touches_person,
+                             "whether a contact with a person is not yet over: until it has been clear by "
+                             "ContactConfig.release_gap for release_time")
+      .def("people_in_scan", &DrivingWorld::people_in_scan, without_gil(),
+           "For each person whether a beam of the LIDAR, without noise, meets it first -> list of bool.")
       .def_property_readonly("state", &DrivingWorld::state, "the truth now (ChairState, a copy)")
       .def_property_readonly("odometry", &DrivingWorld::odometry, "T_odom_base; starts at (0, 0, 0)")
       .def_property_readonly(
@@ -110,6 +170,8 @@ void bind_simulation(py::module_& m) {
   bind_lidar_config(m);
   bind_step_result(m);
   bind_chair_state(m);
+  bind_person(m);
+  bind_person_contact(m);
   bind_driving_world(m);
   m.def(
       "joystick_to_twist", &joystick_to_twist, py::arg("forward"), py::arg("left"), py::arg("limits") = MotionLimits{},

@@ -1,5 +1,7 @@
 #include "lfdcore/simulation/driving_world.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "lfdcore/error.hpp"
@@ -21,6 +23,12 @@ std::vector<double> beam_angles(const LidarConfig& lidar) {
   std::vector<double> angles(lidar.beams);
   for (int beam = 0; beam < lidar.beams; ++beam) angles[beam] = lidar.angle_min() + beam * lidar.angle_increment();
   return angles;
+}
+
+std::vector<Eigen::Vector2d> directions(std::span<const double> angles) {
+  std::vector<Eigen::Vector2d> made;
+  std::transform(angles.begin(), angles.end(), std::back_inserter(made), direction);
+  return made;
 }
 
 void require_sane(const Pose2& pose) {
@@ -49,7 +57,8 @@ DrivingWorld::DrivingWorld(const OccupancyGrid& grid, const ChairConfig& chair, 
       seed_(seed),
       map_(grid, unknown_is_solid),
       rays_(map_.grid(), lidar.range_max),
-      angles_(beam_angles(lidar)) {}
+      angles_(beam_angles(lidar)),
+      directions_(directions(angles_)) {}
 
 void DrivingWorld::reset(const Pose2& pose) {
   require_sane(pose);
@@ -59,6 +68,8 @@ void DrivingWorld::reset(const Pose2& pose) {
   odometry_ = {};
   acting_ = {};
   pending_.clear();
+  people_.clear();
+  person_contacts_ = {};
   clear_time_ = skid_ = 0;
   steps_ = 0;
   placed_ = true;
@@ -103,6 +114,12 @@ void DrivingWorld::sub_step(double duration) {
   odometry_ =
       integrate(odometry_, {state_.twist.linear * linear_factor_, state_.twist.angular * angular_factor_}, duration);
   note_contact(motion, duration);
+  walk_people(duration);
+}
+
+void DrivingWorld::walk_people(double duration) {
+  for (Person& person : people_) person.position += person.velocity * duration;
+  person_contacts_.note(state_.stamp, state_.pose, state_.twist, chair_, people_, duration);
 }
 
 /// A contact begins when the body is blocked, and ends when it has been clear by the gap for the time.
@@ -118,10 +135,34 @@ void DrivingWorld::note_contact(const BodyMotion& motion, double duration) {
   state_.in_contact = clear_time_ < chair_.contact.release_time - 1e-9;
 }
 
+void DrivingWorld::set_people(std::vector<Person> people) {
+  require(placed_, "the world has no start pose yet: call reset(pose) before set_people");
+  for (const Person& person : people) validate(person);
+  people_ = std::move(people);
+}
+
+std::vector<bool> DrivingWorld::people_in_scan() const {
+  std::vector<bool> seen(people_.size());
+  if (people_.empty()) return seen;
+  std::vector<float> ranges(lidar_.beams);
+  std::vector<int> met(lidar_.beams, -1);
+  cast(ranges, met);
+  for (const int person : met)
+    if (person >= 0) seen[person] = true;
+  return seen;
+}
+
 bool DrivingWorld::touches(const Pose2& pose, double margin) const {
   require_sane(pose);
   require_between("margin", margin, 0, 10, "m");
   return map_.touches(pose, chair_.footprint.grown(margin));
+}
+
+/// Without noise.
+void DrivingWorld::cast(std::span<float> ranges, std::span<int> met) const {
+  const Pose2 T_map_laser = state_.pose * lidar_.T_base_laser;
+  rays_.cast(T_map_laser, angles_, ranges);
+  cast_at_people(T_map_laser, directions_, lidar_.range_max, people_, ranges, met);
 }
 
 LaserScan DrivingWorld::scan() const {
@@ -134,7 +175,7 @@ void DrivingWorld::scan(LaserScan& scan) const {
   require(placed_, "the world has no start pose yet: call reset(pose) before scan");
   require(scan.ranges.size() == static_cast<std::size_t>(lidar_.beams),
           "scan has another number of beams than the LIDAR");
-  rays_.cast(state_.pose * lidar_.T_base_laser, angles_, scan.ranges);
+  cast(scan.ranges);
   add_range_noise(lidar_, seed_, steps_, scan.ranges);
 }
 

@@ -3,6 +3,7 @@ The simulated chair in its world.
 """
 
 from __future__ import annotations
+import collections.abc
 import lfdcore._core.geometry
 import lfdcore._core.grid
 import numpy
@@ -15,6 +16,8 @@ __all__: list[str] = [
     "ContactConfig",
     "DrivingWorld",
     "LidarConfig",
+    "Person",
+    "PersonContact",
     "StepResult",
     "joystick_to_twist",
 ]
@@ -202,7 +205,7 @@ class StepResult:
 
 class ChairState:
     """
-    The truth about the chair, for drivers and metrics, not for assistants.
+    The truth about the chair, for drivers and metrics, not for assistants. Its contacts are those with the map.
     """
 
     @property
@@ -247,9 +250,106 @@ class ChairState:
         of the wheels
         """
 
+class Person:
+    """
+    A whole person at the scanner's height as one disc: body, both legs and the room of a stride. Walks on at its velocity. ValueError names a field out of range: position within 1e6 m, at most 10 m/s along each axis, 0 < radius <= 5 m.
+    """
+
+    def __init__(
+        self, *, position: numpy.typing.ArrayLike = ..., velocity: numpy.typing.ArrayLike = ..., radius: float = 0.25
+    ) -> None: ...
+    @property
+    def position(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) of the centre in map [m]
+        """
+
+    @property
+    def radius(self) -> float:
+        """
+        [m]
+        """
+
+    @property
+    def velocity(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) [m/s]
+        """
+
+class PersonContact:
+    """
+    What was so when a contact of the chair with a person began: the first of the motors' periods at whose end disc and outline share a point.
+    """
+
+    @property
+    def chair_approach(self) -> float:
+        """
+        speed of the outline at that point towards the person [m/s]
+        """
+
+    @property
+    def chair_approach_since(self) -> float:
+        """
+        the largest chair_approach while they touched, until the person's centre was inside [m/s]
+        """
+
+    @property
+    def part(self) -> str:
+        """
+        where that is: 'nose', 'left', 'right' or 'rear'; a corner belongs to the nose or the rear
+        """
+
+    @property
+    def person(self) -> int:
+        """
+        its place among the people
+        """
+
+    @property
+    def person_approach(self) -> float:
+        """
+        the person's speed towards the outline there [m/s]
+        """
+
+    @property
+    def point(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) of the outline that is nearest to the person's centre, in base_link [m]
+        """
+
+    @property
+    def pose(self) -> lfdcore._core.geometry.Pose2:
+        """
+        of the chair, T_map_base
+        """
+
+    @property
+    def position(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) of the person in map [m]
+        """
+
+    @property
+    def stamp(self) -> float:
+        """
+        since the reset [s]
+        """
+
+    @property
+    def twist(self) -> lfdcore._core.geometry.Twist2:
+        """
+        of its wheels
+        """
+
+    @property
+    def velocity(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (2,) of the person in map [m/s]
+        """
+
 class DrivingWorld:
     """
-    A chair with odometry and a LIDAR, driven through a map in control periods. The chair stands nowhere until reset(). unknown_is_solid: unknown cells and all outside the map stop the chair and the LIDAR's beams alike (real buildings); else both pass. The same seed gives the same bytes; the noise of a period depends on the seed and the number of the period alone, whatever was driven, and scan noise and slip are separate streams.
+    A chair with odometry and a LIDAR, driven through a map among people in control periods. The chair stands nowhere until reset(). unknown_is_solid: unknown cells and all outside the map stop the chair and the LIDAR's beams alike (real buildings); else both pass. The same seed gives the same bytes; the noise of a period depends on the seed and the number of the period alone, whatever was driven, and scan noise and slip are separate streams.
     """
 
     def __init__(
@@ -260,6 +360,11 @@ class DrivingWorld:
         seed: int = 0,
         unknown_is_solid: bool = True,
     ) -> None: ...
+    def people_in_scan(self) -> list[bool]:
+        """
+        For each person whether a beam of the LIDAR, without noise, meets it first -> list of bool.
+        """
+
     def reset(self, pose: lfdcore._core.geometry.Pose2) -> None:
         """
         Puts the chair at rest at T_map_base, with odometry, counters, clock and noise as new. ValueError for a pose that is not finite or touches an obstacle, saying where.
@@ -268,6 +373,11 @@ class DrivingWorld:
     def scan(self) -> lfdcore._core.grid.LaserScan:
         """
         What the LIDAR sees now -> LaserScan; asked twice in a period, the same.
+        """
+
+    def set_people(self, people: collections.abc.Sequence[Person]) -> None:
+        """
+        The people (list of Person) from now on, each known by its place in the list: a contact goes on from one list to the next. In step each walks straight on at its velocity, through whatever is there: they are no walls, neither the chair nor they are stopped or pushed where they meet, which is counted (person_contacts). Without people everything is as in a world that never had any, byte by byte. ValueError before a reset, which takes all people away.
         """
 
     def step(self, command: lfdcore._core.geometry.Twist2, duration: float = 0.1) -> StepResult:
@@ -299,9 +409,27 @@ class DrivingWorld:
         """
 
     @property
+    def people(self) -> list[Person]:
+        """
+        where they are now: list of Person, copies
+        """
+
+    @property
+    def person_contacts(self) -> list[PersonContact]:
+        """
+        list of PersonContact since the reset, in the order in which they began
+        """
+
+    @property
     def state(self) -> ChairState:
         """
         the truth now (ChairState, a copy)
+        """
+
+    @property
+    def touches_person(self) -> bool:
+        """
+        whether a contact with a person is not yet over: until it has been clear by ContactConfig.release_gap for release_time
         """
 
 def joystick_to_twist(

@@ -19,6 +19,7 @@ from lfdcore.datasets.safe_joystick import limits_note
 from lfdcore.simulated.chair import SimulatedChair, Truth
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import Driver
+from lfdcore.simulated.people import People, PeopleConfig
 from lfdcore.simulated.trace import DriveTrace, TraceRecorder
 from lfdcore.simulation import ChairConfig, LidarConfig
 from lfdcore.wheelchair.assistants import Assistant
@@ -40,6 +41,8 @@ class RunConfig:
     """Time without .5 m of progress [s] after which a run counts as stuck."""
     stuck_progress: float = 0.5
     """[m]"""
+    people: PeopleConfig | None = None
+    """who walks in the course, from the run's seed; None: nobody"""
 
     @property
     def geometry(self) -> ChairGeometry:
@@ -85,7 +88,9 @@ def run_drive(
     `destination` the log says so in its metadata and holds the true pose in the map, as a localiser would.
     """
     config = config or RunConfig()
-    chair = SimulatedChair(course, driver, seed, config.chair, config.lidar)
+    start = (course.start.x, course.start.y)
+    people = None if config.people is None else People(course.grid, config.people, start, seed)
+    chair = SimulatedChair(course, driver, seed, config.chair, config.lidar, people)
     recorder, progress, outcome = TraceRecorder(course.start), _Progress(config, course.length), None
     about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
     about |= {} if destination is None else {"destination": destination}
@@ -103,7 +108,8 @@ def run_drive(
 
         drive(chair, assistant, ended, period=config.period, clock=SimulatedClock(), log=log)
     names = (course.name, driver.name, assistant.name)
-    return recorder.trace(*names, seed=seed, outcome=str(outcome), footprint=config.chair.footprint)
+    footprint, met = config.chair.footprint, chair.people_met()
+    return recorder.trace(*names, seed=seed, outcome=str(outcome), footprint=footprint, people_met=met)
 
 
 def _opened(path: Path, course: Course, config: RunConfig, about: dict[str, str]) -> DriveLogWriter:

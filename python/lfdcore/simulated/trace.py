@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lfdcore.geometry import Footprint, Pose2
 from lfdcore.simulated.chair import Truth
+from lfdcore.simulated.person_met import PersonMet
 from lfdcore.wheelchair.drive_loop import Tick
 
 
@@ -47,9 +48,9 @@ class DriveTrace:
     command: NDArray[np.float64]
     """(T, 2) [m/s, rad/s] sent to the chair"""
     in_contact: NDArray[np.bool_]
-    """(T,)"""
+    """(T,) with the map"""
     collision: NDArray[np.bool_]
-    """(T,) true where a contact begins"""
+    """(T,) true where a contact with the map begins"""
     mode: NDArray[np.str_]
     """(T,) who decided (Assistance.mode)"""
     supervised: NDArray[np.bool_]
@@ -61,6 +62,12 @@ class DriveTrace:
     control_point: NDArray[np.float64]
     """(T, 2) [m] of pure pursuit or DWA; NaN without one"""
     plans: tuple[Plan, ...] = ()
+    people: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 2)))
+    """(T, P, 2) where P people are [m]"""
+    touches_person: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    """(T,) where a contact with a person is not yet over"""
+    people_met: tuple[PersonMet, ...] = ()
+    """contacts with people, in the order in which they began; none of them is in `collision`"""
 
     @property
     def completed(self) -> bool:
@@ -104,6 +111,8 @@ class TraceRecorder:
             "compliance": answer.compliance if answer.path is not None else np.nan,
             "goal": _in_map(self._T_map_odom, answer.goal),
             "control_point": _in_map(state.pose, answer.control_point),
+            "people": truth.people,
+            "touches_person": truth.touches_person,
         }
         for name, value in row.items():
             self._rows.setdefault(name, []).append(value)
@@ -111,11 +120,20 @@ class TraceRecorder:
             self._plans.append(Plan(tick.stamp, self._T_map_odom.transform(answer.path)))
 
     def trace(
-        self, course: str, driver: str, assistant: str, *, seed: int, outcome: str, footprint: Footprint
+        self,
+        course: str,
+        driver: str,
+        assistant: str,
+        *,
+        seed: int,
+        outcome: str,
+        footprint: Footprint,
+        people_met: tuple[PersonMet, ...] = (),
     ) -> DriveTrace:
         """All ticks so far."""
         rows: dict[str, Any] = {name: np.array(values) for name, values in self._rows.items()}
-        return DriveTrace(course, driver, assistant, seed, outcome, footprint, **rows, plans=tuple(self._plans))
+        rows |= {"plans": tuple(self._plans), "people_met": people_met}
+        return DriveTrace(course, driver, assistant, seed, outcome, footprint, **rows)
 
 
 def _in_map(T_map_frame: Pose2, point: tuple[float, float] | None) -> tuple[float, float]:

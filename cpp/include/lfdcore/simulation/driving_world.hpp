@@ -1,4 +1,4 @@
-// A chair with odometry and a LIDAR, driven through a map in control periods.
+// A chair with odometry and a LIDAR, driven through a map among people in control periods.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,8 @@
 #include "lfdcore/grid/ray_casting.hpp"
 #include "lfdcore/simulation/contact_response.hpp"
 #include "lfdcore/simulation/lidar.hpp"
+#include "lfdcore/simulation/people.hpp"
+#include "lfdcore/simulation/person_contact.hpp"
 
 namespace lfdcore {
 
@@ -21,7 +23,7 @@ struct StepResult {
   bool collision_started = false;  ///< a contact began in this period
 };
 
-/// The truth about the chair, for drivers and metrics, not for assistants.
+/// The truth about the chair, for drivers and metrics, not for assistants. Its contacts are those with the map.
 struct ChairState {
   double stamp = 0;  ///< since the reset [s]
   Pose2 pose;        ///< T_map_base
@@ -48,6 +50,20 @@ class DrivingWorld {
   /// reset.
   StepResult step(const Twist2& command, double duration = 0.1);
 
+  /// The people from now on, each known by its place in the list: a contact goes on from one list to the next. In step
+  /// each walks straight on at its velocity, through whatever is there: they are no walls, neither the chair nor they
+  /// are stopped or pushed where they meet, which is counted (person_contacts). Without people everything is as in a
+  /// world that never had any, byte by byte. Throws std::invalid_argument for a bad person, or before a reset, which
+  /// takes all people away.
+  void set_people(std::vector<Person> people);
+  const std::vector<Person>& people() const { return people_; }
+  /// The contacts with people since the reset, in the order in which they began.
+  const std::vector<PersonContact>& person_contacts() const { return person_contacts_.all(); }
+  /// Whether any of them is not yet over.
+  bool touches_person() const { return person_contacts_.touching(); }
+  /// For each person whether a beam of the LIDAR, without noise, meets it first: before the map and other people.
+  std::vector<bool> people_in_scan() const;
+
   /// What the LIDAR sees now. Its noise depends on the seed and the number of steps since the reset alone.
   LaserScan scan() const;
   /// The same without allocating, into a scan that this world made.
@@ -69,6 +85,8 @@ class DrivingWorld {
 
   void sub_step(double duration);
   void note_contact(const BodyMotion& motion, double duration);
+  void walk_people(double duration);
+  void cast(std::span<float> ranges, std::span<int> met = {}) const;
   void draw_slip();
 
   ChairConfig chair_;
@@ -76,7 +94,10 @@ class DrivingWorld {
   std::uint64_t seed_;
   SolidMap map_;
   RayCaster rays_;
-  std::vector<double> angles_;  // of the beams [rad]
+  std::vector<double> angles_;               // of the beams [rad]
+  std::vector<Eigen::Vector2d> directions_;  // of the same
+  std::vector<Person> people_;
+  PersonContacts person_contacts_;
   ChairState state_;
   bool placed_ = false;
   std::uint64_t steps_ = 0;

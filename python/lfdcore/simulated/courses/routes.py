@@ -42,6 +42,20 @@ class RouteConfig:
     corner: float = 0.22  # standard deviation along the route of the final rounding of corners
 
 
+@dataclass(frozen=True)
+class Ways:
+    """Cheapest ways from n passable nodes of a search to G goals."""
+
+    numbers: npt.NDArray[np.int64]
+    """(h, w) of the nodes; -1 where none is passable"""
+    points: FloatArray
+    """(n, 2) [m]"""
+    cost: FloatArray
+    """(G, n) from each node to the goal; inf where there is no way"""
+    after: npt.NDArray[np.int64]
+    """(G, n) the node that comes next on the way; at its end, or without a way, the node itself"""
+
+
 def clearance_field(grid: OccupancyGrid) -> FloatArray:
     """Distance (H, W) [m] from each cell's centre to the nearest edge of an occupied or unknown cell, about."""
     open_cells = (grid.data >= 0) & ~grid.occupied_mask()
@@ -80,7 +94,8 @@ class RoutePlanner:
 
     # -- cells of the search ------------------------------------------------------------------------------------
 
-    def _nodes_at(self, points: FloatArray) -> npt.NDArray[np.int64]:
+    def nodes_at(self, points: FloatArray) -> npt.NDArray[np.int64]:
+        """Index (N, 2) ix, iy of the node of the search that is nearest to each point (N, 2) [m]; may lie outside."""
         offset = np.array(self.grid.origin) + self.grid.resolution / 2
         return np.rint((points - offset) / self._cell).astype(np.int64)
 
@@ -89,7 +104,7 @@ class RoutePlanner:
 
     def _snap(self, point: Point) -> tuple[int, int]:
         """The nearest passable node within 1 m of a point."""
-        ix, iy = self._nodes_at(np.array([point]))[0]
+        ix, iy = self.nodes_at(np.array([point]))[0]
         reach = int(1.0 / self._cell)
         y0, x0 = max(iy - reach, 0), max(ix - reach, 0)
         rows, cols = np.nonzero(self._passable[y0 : iy + reach + 1, x0 : ix + reach + 1])
@@ -158,6 +173,16 @@ class RoutePlanner:
         result = np.full(self._passable.shape, np.inf)
         result[numbers >= 0] = found
         return result
+
+    def ways_to(self, goals: Sequence[Point]) -> Ways:
+        """The cheapest ways from every passable node of the search to each of G goals."""
+        height, width = self._passable.shape
+        numbers, graph = self._graph((0, 0, width, height))
+        ends = [numbers[iy, ix] for ix, iy in map(self._snap, goals)]
+        cost, after = dijkstra(graph, directed=False, indices=ends, return_predecessors=True)
+        after = np.where(after < 0, np.arange(after.shape[1]), after)
+        iy, ix = np.nonzero(numbers >= 0)
+        return Ways(numbers, self._points_at(np.stack([ix, iy], axis=1)), cost, after)
 
     def node_points(self) -> FloatArray:
         """Position (h, w, 2) [m] of every node of the search."""
