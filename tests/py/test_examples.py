@@ -60,6 +60,13 @@ def test_the_ways_with_and_without_help_are_drawn_side_by_side(tmp_path: Path) -
     assert (tmp_path / "assisted.png").read_bytes()[:4] == b"\x89PNG"
 
 
+def test_a_drive_among_people_tells_contacts_with_them_from_those_with_walls(tmp_path: Path) -> None:
+    rows = output_of("drive_among_people.py", 1, folder=tmp_path)
+    assert [row.split()[0] for row in rows] == ["none", "supervisor"]
+    assert all(re.search(r"\d contacts with walls  \d+ with people: \d+ by the moving nose", row) for row in rows)
+    assert (tmp_path / "people.png").read_bytes()[:4] == b"\x89PNG"
+
+
 def test_predict_a_log_compares_with_both_baselines(drive: Path) -> None:
     head, *rows = output_of("predict_a_log.py", drive)
     assert re.match(r"[1-9]\d* samples", head)

@@ -64,6 +64,7 @@ TOGETHER = {
     "a run with DWA": (PLANNED, DRIVEN, CONTACT, WAY, BODY),
     "a prediction along a log": (FOLLOWED, DISCARDED, DRIVEN, UNJUDGED, BODY),
     "the local window": (PLANNED, DRIVEN, BEAM, STICK, WAY),
+    "people about": (SEEN, REFERENCE, BEAM, BLUE, WAY),
     "methods": tuple(dict.fromkeys(METHOD_COLOURS.values())),
     "destinations, drivers, columns": SERIES,
     "methods of handovers": (BLUE, PURPLE, SKY, ANOTHER, BASELINE, VERMILLION, GREEN, INK),

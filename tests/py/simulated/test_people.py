@@ -10,13 +10,14 @@ from scipy.spatial import cKDTree
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import OccupancyGrid
+from lfdcore.simulated.chair import SimulatedChair
 from lfdcore.simulated.courses import Course, flat, home, standard_course
 from lfdcore.simulated.drivers import ImpairedDriver
 from lfdcore.simulated.people import People, PeopleConfig
 from lfdcore.simulated.person_met import STANDING, PersonMet, person_met
 from lfdcore.simulated.run import RunConfig, run_drive
 from lfdcore.simulated.walkways import Walkways
-from lfdcore.simulation import DrivingWorld, LidarConfig, Person
+from lfdcore.simulation import ChairConfig, DrivingWorld, LidarConfig, Person
 from lfdcore.wheelchair.assistants import STOP, Unassisted
 from lfdcore.wheelchair.observation import Assistance, Observation
 
@@ -193,6 +194,21 @@ def test_a_standing_chair_drives_into_nobody_and_people_walk_into_it() -> None:
     for meeting in trace.people_met:
         assert meeting.walked_into_standing_chair and not meeting.by_moving_nose and not meeting.foreseeable
         assert meeting.chair_approach_since < STANDING
+
+
+def test_the_truth_of_every_tick_has_the_people_and_the_contacts_that_began() -> None:
+    course = home(0)
+    people = in_course(course, 1, count=30)
+    chair = SimulatedChair(course, ImpairedDriver(course), 1, ChairConfig(), LidarConfig(), people)
+    met = 0
+    for tick in range(600):
+        chair.observe(tick / 10)
+        np.testing.assert_allclose(chair.truth.people, people.position, atol=1e-9)
+        met += chair.truth.people_met
+        assert met == len(chair.people_met()) and (chair.truth.touches_person or not chair.truth.people_met)
+        assert not chair.truth.collision
+        chair.command(Twist2(), 0.1)
+    assert met >= 1
 
 
 def meeting_at(distance: float, speed: float) -> PersonMet:
