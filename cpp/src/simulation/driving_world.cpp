@@ -27,7 +27,7 @@ std::vector<double> beam_angles(const LidarConfig& lidar) {
 
 std::vector<Eigen::Vector2d> directions(std::span<const double> angles) {
   std::vector<Eigen::Vector2d> made;
-  std::transform(angles.begin(), angles.end(), std::back_inserter(made), direction);
+  std::transform(angles.begin(), angles.end(), std::back_inserter(made), beam_direction);
   return made;
 }
 

@@ -57,7 +57,7 @@ class SimulatedChair:
         driver.reset(seed)
         self._people = people
         if people is not None:
-            self._world.set_people(people.standing())
+            self._world.set_people(people.bodies())
         self._shown: list[tuple[float, list[bool]]] = []
         self._met_before = 0
         self._collision, self._odometry_twist = False, Twist2()

@@ -56,7 +56,7 @@ class PeopleConfig:
 
     def __post_init__(self) -> None:
         _require("count", self.count, 0, 1000, "people")
-        _require("radius", self.radius, 0.05, 1.0, "m")
+        _require("radius", self.radius, 0.1, 1.0, "m")
         _require("speed", self.speed, 0.05, 3.0, "m/s")
         _require("speed_sd", self.speed_sd, 0.0, self.speed / 2, "m/s")
         _require("places", self.places, 2, 100, "places")
@@ -113,15 +113,12 @@ class People:
         badness = np.where(self._off_walls(trials, duration), self._badness(trials, wished), np.inf)
         steps = self._together(trials, badness, duration)
         self.velocity = steps
-        set_out = self._bodies()
+        set_out = self.bodies()
         self.position = self.position + steps * duration
         return set_out
 
-    def standing(self) -> list[Person]:
-        """The people before their first step."""
-        return self._bodies()
-
-    def _bodies(self) -> list[Person]:
+    def bodies(self) -> list[Person]:
+        """The people where they are, with the velocity of their latest step: before the first they stand."""
         pairs = zip(self.position, self.velocity, strict=True)
         return [Person(position=at, velocity=step, radius=self.config.radius) for at, step in pairs]
 

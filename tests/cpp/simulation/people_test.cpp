@@ -11,7 +11,7 @@ constexpr float none = std::numeric_limits<float>::infinity();
 
 std::vector<Eigen::Vector2d> all_around(int beams) {
   std::vector<Eigen::Vector2d> made;
-  for (int beam = 0; beam < beams; ++beam) made.push_back(direction(2 * pi * beam / beams));
+  for (int beam = 0; beam < beams; ++beam) made.push_back(beam_direction(2 * pi * beam / beams));
   return made;
 }
 

@@ -276,7 +276,7 @@ def test_more_people_than_the_map_has_room_for_are_refused() -> None:
 @pytest.mark.parametrize(
     ("field", "value", "message"),
     [
-        ("radius", 0.0, "radius is 0.0 m, must be between 0.05"),
+        ("radius", 0.0, "radius is 0.0 m, must be between 0.1 and 1.0"),
         ("radius", -0.25, "radius is -0.25 m"),
         ("count", -1, "count is -1 people"),
         ("speed", float("nan"), "speed is nan m/s"),

@@ -19,7 +19,7 @@ struct Person {
 void validate(const Person& person);
 
 /// The beam's angle in the laser's frame as a direction of length 1.
-inline Eigen::Vector2d direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+inline Eigen::Vector2d beam_direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 /// Shortens the ranges [m] of beams with these directions (laser's frame) that meet a person's disc, exactly: to the
 /// distance at which the beam enters it, 0 for a laser in it; beyond range_max [m] nothing is met. Where `met` is not
