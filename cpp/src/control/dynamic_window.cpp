@@ -51,7 +51,7 @@ bool collides(NearPoints& points, const Footprint& footprint, const Twist2& twis
   const double move = fastest * config.step;  // no point of the body moves farther in a step
   for (int k = 1; k <= steps;) {
     const double time = std::min(k * config.step, config.horizon);
-    const double clearance = points.slack(integrate({}, twist, time), footprint, 0);
+    const double clearance = points.slack(integrate({}, twist, time), footprint, {}, 0);
     if (clearance <= 0) return true;
     if (clearance >= move * (steps - k)) return false;
     k += std::max(1, static_cast<int>(clearance / move * (1 - 1e-9)));

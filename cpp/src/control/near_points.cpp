@@ -7,11 +7,20 @@
 namespace lfdcore {
 
 constexpr std::size_t lanes = 8, chunk = 64;
+constexpr double rounding = 1e-9;  // [m]
+
+// Of some points in a row.
+struct Columns {
+  const double *x, *y, *uncertainty, *most, *passing;
+};
 
 // Lowers least[k] to the least slack of the points in lane k. A minimum for each lane, so that the compiler may
 // vectorise without reordering a floating-point reduction.
-LFDCORE_CLONES void lower_slack(const double* x, const double* y, const double* keep, std::size_t count,
-                                const double* pose, const double* body, double* least) {
+LFDCORE_CLONES void lower_slack(const Columns& points, std::size_t count, const Demand& demand, const double* pose,
+                                const double* body, double* least) {
+  const double *x = points.x, *y = points.y, *uncertainty = points.uncertainty;
+  const double *most = points.most, *passing = points.passing;
+  const double required = demand.required, sideways = demand.sideways;
   const double px = pose[0], py = pose[1], c = pose[2], s = pose[3];
   const double front = body[0], rear = body[1], half_width = body[2];
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -23,41 +32,73 @@ LFDCORE_CLONES void lower_slack(const double* x, const double* y, const double* 
       const double beyond_y = std::abs(by) - half_width;
       const double ox = beyond_x > 0 ? beyond_x : 0, oy = beyond_y > 0 ? beyond_y : 0;
       const double inner = beyond_x > beyond_y ? beyond_x : beyond_y;
-      const double slack = std::sqrt(ox * ox + oy * oy) + (inner < 0 ? inner : 0) - keep[i + k];
+      const double wanted = required + uncertainty[i + k];
+      const double keep = wanted < most[i + k] ? wanted : most[i + k], beside = passing[i + k] - sideways;
+      const double passed = beside >= uncertainty[i + k] && beside < keep ? beside : keep;
+      const double slack = std::sqrt(ox * ox + oy * oy) + (inner < 0 ? inner : 0) - passed;
       least[k] = slack < least[k] ? slack : least[k];
     }
   }
 }
 
-void NearPoints::gather(const ObstaclePoints& obstacles, double radius) {
-  const Path& points = obstacles.points();
-  const auto room = static_cast<std::size_t>(points.rows()) + lanes;
+void NearPoints::make_room(std::size_t points) {
+  const std::size_t room = points + lanes;
   if (x_.size() < room) {
-    x_.resize(room);
-    y_.resize(room);
-    keep_.resize(room);
+    for (auto* column : {&x_, &y_, &uncertainty_, &most_, &passing_}) column->resize(room);
   }
   count_ = last_hit_ = 0;
+}
+
+void NearPoints::append(double x, double y, double uncertainty, double most) {
+  x_[count_] = x;
+  y_[count_] = y;
+  uncertainty_[count_] = uncertainty;
+  passing_[count_] = -std::numeric_limits<double>::infinity();
+  most_[count_++] = most;
+}
+
+void NearPoints::pad() {
+  const std::size_t count = count_;
+  while (count_ < count + lanes) append(1e9, 1e9, 0, 0);
+  count_ = count;
+}
+
+void NearPoints::gather(const ObstaclePoints& obstacles, double radius) {
+  const Path& points = obstacles.points();
+  make_room(static_cast<std::size_t>(points.rows()));
   const double* row = points.data();
   for (Eigen::Index i = 0; i < points.rows(); ++i, row += 2) {
-    x_[count_] = row[0];
-    y_[count_] = row[1];
-    keep_[count_] = 0;
-    count_ += row[0] * row[0] + row[1] * row[1] <= radius * radius ? 1 : 0;
+    if (row[0] * row[0] + row[1] * row[1] <= radius * radius)
+      append(row[0], row[1], 0, std::numeric_limits<double>::infinity());
   }
-  for (std::size_t i = count_; i < std::min(count_ + lanes, room); ++i) {
-    x_[i] = y_[i] = 1e9;
-    keep_[i] = 0;
-  }
+  pad();
 }
 
-void NearPoints::keep(double distance, const Footprint& footprint) {
+void NearPoints::gather(const ObstaclePoints& obstacles, double radius, const Footprint& footprint, double least) {
+  const Path& points = obstacles.points();
+  make_room(static_cast<std::size_t>(points.rows()));
+  const double* row = points.data();
+  for (const double uncertainty : obstacles.uncertainty()) {
+    const double reach = radius + uncertainty;
+    if (row[0] * row[0] + row[1] * row[1] <= reach * reach)
+      append(row[0], row[1], uncertainty, signed_distance(row[0], row[1], footprint));
+    row += 2;
+  }
+  pad();
+  find_passing(footprint, least);
+}
+
+void NearPoints::find_passing(const Footprint& footprint, double least) {
   for (std::size_t i = 0; i < count_; ++i) {
-    keep_[i] = std::min(distance, signed_distance(x_[i], y_[i], footprint));
+    if (most_[i] >= 0) least = std::min(least, most_[i]);
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double beside = std::abs(y_[i]) - footprint.half_width;
+    if (beside >= least - rounding) passing_[i] = std::max(beside, 0.0);
   }
 }
 
-double NearPoints::slack(const Pose2& pose, const Footprint& footprint, double enough) {
+double NearPoints::slack(const Pose2& pose, const Footprint& footprint, const Demand& demand, double enough) {
   const double at[] = {pose.x, pose.y, std::cos(pose.yaw), std::sin(pose.yaw)};
   const double body[] = {footprint.front, footprint.rear, footprint.half_width};
   double lane[lanes];
@@ -67,7 +108,8 @@ double NearPoints::slack(const Pose2& pose, const Footprint& footprint, double e
   // What stopped the last pose will often stop this one: begin there.
   for (std::size_t k = 0, at_chunk = last_hit_; k < chunks; ++k, at_chunk = at_chunk + 1 < chunks ? at_chunk + 1 : 0) {
     const std::size_t i = at_chunk * chunk;
-    lower_slack(x_.data() + i, y_.data() + i, keep_.data() + i, std::min(chunk, count_ - i), at, body, lane);
+    const Columns columns{x_.data() + i, y_.data() + i, uncertainty_.data() + i, most_.data() + i, passing_.data() + i};
+    lower_slack(columns, std::min(chunk, count_ - i), demand, at, body, lane);
     least = *std::min_element(lane, lane + lanes);
     if (least <= enough) {
       last_hit_ = at_chunk;

@@ -3,6 +3,7 @@ Pure pursuit, dynamic window, footprint roll-out and the supervisor.
 """
 
 from __future__ import annotations
+import collections.abc
 import lfdcore._core.geometry
 import lfdcore._core.grid
 import numpy
@@ -188,12 +189,17 @@ class SupervisorConfig:
         self,
         *,
         period: float = 0.1,
-        reaction: float = 0.2,
+        jitter: float = 0.05,
         margin: float = 0.04,
-        slow_margin: float = 0.03,
-        slow_linear: float = 0.2,
-        slow_angular: float = 0.4,
-        overlap: float = 0.02,
+        least_margin: float = 0.015,
+        margin_linear: float = 0.5,
+        margin_angular: float = 1.0,
+        dynamics_error: float = 0.2,
+        speed_error: float = 0.05,
+        obstacle_speed: float = 0.0,
+        creep_linear: float = 0.1,
+        creep_reverse: float = 0.15,
+        creep_angular: float = 0.2,
         least_scale: float = 0.25,
         linear_samples: int = 9,
         angular_samples: int = 17,
@@ -202,6 +208,42 @@ class SupervisorConfig:
     def angular_samples(self) -> int:
         """
         turning rates tried, around the wanted one
+        """
+
+    @property
+    def creep_angular(self) -> float:
+        """
+        [rad/s] the same turning
+        """
+
+    @property
+    def creep_linear(self) -> float:
+        """
+        [m/s] ahead, up to which unseen space may be entered
+        """
+
+    @property
+    def creep_reverse(self) -> float:
+        """
+        [m/s] the same backwards
+        """
+
+    @property
+    def dynamics_error(self) -> float:
+        """
+        share by which accelerations and braking may be quicker or slower than the limits say
+        """
+
+    @property
+    def jitter(self) -> float:
+        """
+        [s] by which the next command may come late
+        """
+
+    @property
+    def least_margin(self) -> float:
+        """
+        [m] ... and at standstill; between them in proportion
         """
 
     @property
@@ -219,43 +261,37 @@ class SupervisorConfig:
     @property
     def margin(self) -> float:
         """
-        [m] to keep between footprint and points
+        [m] to keep between footprint and points at speed
         """
 
     @property
-    def overlap(self) -> float:
+    def margin_angular(self) -> float:
         """
-        [m] points this deep inside the footprint are taken for noise
+        [rad/s] ... or from this turning rate
+        """
+
+    @property
+    def margin_linear(self) -> float:
+        """
+        [m/s] from which `margin` is kept ...
+        """
+
+    @property
+    def obstacle_speed(self) -> float:
+        """
+        [m/s] at which points may come nearer
         """
 
     @property
     def period(self) -> float:
         """
-        [s] until the next command can take effect
+        [s] between two commands
         """
 
     @property
-    def reaction(self) -> float:
+    def speed_error(self) -> float:
         """
-        [s] until it surely has: period + latency
-        """
-
-    @property
-    def slow_angular(self) -> float:
-        """
-        [rad/s] ... and turning at most this fast
-        """
-
-    @property
-    def slow_linear(self) -> float:
-        """
-        [m/s] slow: command and chair at most this fast ...
-        """
-
-    @property
-    def slow_margin(self) -> float:
-        """
-        [m] the same while slow
+        share by which speeds over ground may differ from odometry and command
         """
 
 class SupervisorResult:
@@ -270,15 +306,21 @@ class SupervisorResult:
         """
 
     @property
+    def keeps(self) -> bool:
+        """
+        it is admissible; False: it is 0, and even stopping may bring a point nearer than it has to keep
+        """
+
+    @property
     def margin(self) -> float:
         """
-        [m] that was required; less than configured if the chair is nearer already
+        [m] that was required of points that were not nearer already, beyond their uncertainty
         """
 
     @property
     def scale(self) -> float:
         """
-        its size as a share of the wanted one's (1 if that is 0)
+        its stick size as a share of the wanted one's (1 if that is 0)
         """
 
     @property
@@ -295,9 +337,9 @@ class SupervisorResult:
 
 class Supervisor:
     """
-    Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one.
+    Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one. What it promises, and on what assumptions: docs/safety.md.
 
-    A command is admissible if the chair, from its current twist, follows it for `period`, and also for `reaction`, and then brakes to a standstill, without any point coming nearer to the footprint than the margin. Tried in turn: the wanted twist; its scaled copies down to least_scale; twists not faster ahead, by their distance hypot(dv / max_linear, dw / max_angular) to it, while nearer than 0; 0. Where points are nearer than the margin already, the present clearance is the margin, so that the chair can drive away from them.
+    A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their distance to it; 0.
 
     Raises ValueError for invalid limits or config. Not for use from two threads at once.
     """
@@ -313,11 +355,26 @@ class Supervisor:
         wanted: lfdcore._core.geometry.Twist2,
         current: lfdcore._core.geometry.Twist2,
         obstacles: lfdcore._core.grid.ObstaclePoints,
+        *,
+        pending: collections.abc.Sequence[tuple[lfdcore._core.geometry.Twist2, float]] = [],
+        age: float = 0.0,
+        unseen: lfdcore._core.grid.ObstaclePoints | None = None,
     ) -> SupervisorResult:
         """
-        The command to send. `current`: the chair's twist when it takes effect; `obstacles` in base_link. Without points everything is admissible: a caller whose scan is stale must want 0.
+        The command to send.
 
-        Raises ValueError for a non-finite twist or a current one beyond 10 times the limits.
+        - current: the chair's twist now.
+        - obstacles: in base_link, now. Without points everything is admissible: a caller whose scan is stale must want 0.
+        - pending: (twist, duration [s]) of the commands already given, in the order in which they act from now on, before this one does.
+        - age [s] of the points; counts with obstacle_speed.
+        - unseen: places in base_link at the border of space that no beam has seen. A command faster than the creep speeds is admissible only if its roll-outs keep them out of the footprint. None: as if all were seen.
+
+        Raises ValueError for a non-finite twist, a current or pending one beyond 10 times the limits, a duration or an age that is not in [0, 10] s.
+        """
+
+    def may_replace(self, wanted: lfdcore._core.geometry.Twist2, twist: lfdcore._core.geometry.Twist2) -> bool:
+        """
+        Whether a twist may stand in for the wanted one (within the limits), as far as the driver is concerned. Where a turn on the spot is wanted (linear 0): a slower turn to the same side. Else: linear between 0 and the wanted one; a stick size hypot(linear / max_linear or max_reverse, angular / max_angular) no larger than the wanted one's; not to the side opposite to the one asked for; nearer to the wanted twist than 0 is.
         """
 
     @property

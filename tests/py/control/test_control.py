@@ -72,7 +72,7 @@ def test_supervised_twist_is_nearer_to_the_wanted_one_than_standing_still_or_is_
         [linear, angular], [-limits.max_reverse, -limits.max_angular], [limits.max_linear, limits.max_angular]
     )
     sent = np.array([*result.twist])
-    weights = np.array([limits.max_linear, limits.max_angular])
+    weights = np.array([limits.max_reverse if linear < 0 else limits.max_linear, limits.max_angular])
     distance, rest = math.hypot(*(sent - aim) / weights), math.hypot(*aim / weights)
     assert distance < rest or not sent.any()
     assert result.changed == ((*result.twist,) != (linear, angular))
@@ -131,9 +131,11 @@ def test_dynamic_window_of_one_twist_is_the_middle_of_the_window() -> None:
 @pytest.mark.parametrize(
     ("config", "message"),
     [
-        ({"reaction": 0.05}, r"reaction is 0.05 s, must be between 0.1 and 10"),
+        ({"jitter": -0.05}, r"jitter is -0.05 s, must be between 0 and 10"),
         ({"margin": -0.01}, r"margin is -0.01 m, must be between 0 and 1"),
-        ({"slow_margin": math.nan}, r"slow_margin is nan m"),
+        ({"least_margin": math.nan}, r"least_margin is nan m"),
+        ({"least_margin": 0.05}, r"least_margin is 0.05 m, must be between 0 and 0.04"),
+        ({"dynamics_error": 1.0}, r"dynamics_error is 1, must be between 0 and 0.9"),
         ({"least_scale": 0.0}, r"least_scale is 0"),
         ({"angular_samples": 1}, r"angular_samples is 1"),
     ],
@@ -159,10 +161,26 @@ def test_commands_that_are_not_numbers_are_refused_by_name() -> None:
         pure_pursuit(np.zeros((2, 3)), 0.8, 0.5)
 
 
+def test_what_is_pending_unseen_or_old_is_told_by_keyword() -> None:
+    wall = np.stack([np.full(61, 1.2), np.linspace(-1.5, 1.5, 61)], axis=1)
+    ahead, nothing, now = ObstaclePoints(wall), ObstaclePoints(np.empty((0, 2))), Twist2(0.5, 0.0)
+    walking = Supervisor(config=SupervisorConfig(obstacle_speed=0.5))
+    assert not Supervisor().filter(now, now, ahead).changed
+    assert Supervisor().filter(now, now, ahead, pending=[(now, 0.2), (now, 0.2)]).scale < 1
+    assert not Supervisor().filter(now, now, ahead, age=2.0).changed
+    assert walking.filter(now, now, ahead).scale > walking.filter(now, now, ahead, age=0.3).scale
+    assert not Supervisor().filter(now, Twist2(), nothing, unseen=None).changed
+    assert Supervisor().filter(now, Twist2(), nothing, unseen=ObstaclePoints(wall - [0.5, 0.0])).twist.linear <= 0.1
+    with pytest.raises(ValueError, match=r"pending duration is -1 s, must be between 0 and 10"):
+        Supervisor().filter(now, now, ahead, pending=[(now, -1.0)])
+    with pytest.raises(ValueError, match=r"age is nan s, must be between 0 and 10"):
+        Supervisor().filter(now, now, ahead, age=math.nan)
+
+
 def test_configs_and_supervisors_cross_process_borders() -> None:
-    config = SupervisorConfig(margin=0.05, reaction=0.4, angular_samples=9)
+    config = SupervisorConfig(margin=0.05, jitter=0.4, angular_samples=9)
     supervisor = pickle.loads(pickle.dumps(Supervisor(Footprint(0.9), MotionLimits(max_linear=0.7), config)))
-    assert (supervisor.config.margin, supervisor.config.reaction, supervisor.config.angular_samples) == (0.05, 0.4, 9)
+    assert (supervisor.config.margin, supervisor.config.jitter, supervisor.config.angular_samples) == (0.05, 0.4, 9)
     assert (supervisor.footprint.front, supervisor.limits.max_linear) == (0.9, 0.7)
     window = pickle.loads(pickle.dumps(DynamicWindowConfig(horizon=1.0, linear_samples=5)))
     assert (window.horizon, window.linear_samples, window.angular_samples) == (1.0, 5, 21)

@@ -17,27 +17,46 @@ inline double signed_distance(double x, double y, const Footprint& footprint) {
   return outside + std::min(std::max(beyond_x, beyond_y), 0.0);
 }
 
-/// A subset of ObstaclePoints, each with the least signed distance [m] that it must keep from the footprint.
+/// What is asked of points while a body moves.
+struct Demand {
+  double required = 0;  ///< distance [m] to keep, beyond the points' uncertainties
+  /// The body goes straight on, but for sideways moves of any part of it of at most this [m]: points that it passes
+  /// need keep no more than the distance at which it passes them. Infinity: it does not.
+  double sideways = std::numeric_limits<double>::infinity();
+};
+
+/// A subset of ObstaclePoints, each with the distance that it must keep from the footprint.
 /// Keeps its memory between calls of gather(): no allocation once it has seen the largest set.
 class NearPoints {
  public:
-  /// Takes the points (in base_link) within `radius` [m] of the axle, each with the distance 0 to keep.
+  /// Takes the points (in base_link) within `radius` [m] of the axle, without their uncertainties.
   void gather(const ObstaclePoints& obstacles, double radius);
 
-  /// From now on each point must keep `distance` [m], but no more than it has now (body at the origin).
-  void keep(double distance, const Footprint& footprint);
+  /// Takes the points that may be within `radius` [m] of the axle, with their uncertainties. No point will have to keep
+  /// more than the distance that it has now (body at the origin): those too near must not come nearer, no more.
+  /// A body that goes straight on passes points that are at least as far beside its way as their uncertainty, and as
+  /// `least` [m] or the nearest point outside the footprint.
+  void gather(const ObstaclePoints& obstacles, double radius, const Footprint& footprint, double least);
 
   /// Least of (signed distance - distance to keep) [m] over the points, for a body at `pose`; infinity without points.
   /// It changes by no more than the farthest move of any point of the body.
   /// A value of `enough` [m] or less may be returned early: then it is the slack of some point, not the least.
-  double slack(const Pose2& pose, const Footprint& footprint, double enough = -std::numeric_limits<double>::infinity());
+  double slack(const Pose2& pose, const Footprint& footprint, const Demand& demand = {},
+               double enough = -std::numeric_limits<double>::infinity());
 
   /// Number of points taken.
   std::size_t size() const { return count_; }
 
  private:
+  void make_room(std::size_t points);
+  void append(double x, double y, double uncertainty, double most);
+  void pad();
+  void find_passing(const Footprint& footprint, double least);
+
   std::size_t count_ = 0, last_hit_ = 0;
-  std::vector<double> x_, y_, keep_;  // padded to whole vectors with points far away
+  // Of each point, padded to whole vectors with points far away. Distances to keep: at most `most`; while it is passed,
+  // `passing`, which is -infinity for a point that is not.
+  std::vector<double> x_, y_, uncertainty_, most_, passing_;
 };
 
 }  // namespace lfdcore
