@@ -8,24 +8,26 @@ namespace {
 using Config = SupervisorConfig;
 
 void bind_config(py::module_& m) {
-  bind_settings(m, "SupervisorConfig", "How far ahead the supervisor looks and how near it lets the chair come.",
-                Field("period", &Config::period, "[s] between two commands"),
-                Field("jitter", &Config::jitter, "[s] by which the next command may come late"),
-                Field("margin", &Config::margin, "[m] to keep between footprint and points at speed"),
-                Field("least_margin", &Config::least_margin, "[m] ... and at standstill; between them in proportion"),
-                Field("margin_linear", &Config::margin_linear, "[m/s] from which `margin` is kept ..."),
-                Field("margin_angular", &Config::margin_angular, "[rad/s] ... or from this turning rate"),
-                Field("dynamics_error", &Config::dynamics_error,
-                      "share by which accelerations and braking may be quicker or slower than the limits say"),
-                Field("speed_error", &Config::speed_error,
-                      "share by which speeds over ground may differ from odometry and command"),
-                Field("obstacle_speed", &Config::obstacle_speed, "[m/s] at which points may come nearer"),
-                Field("creep_linear", &Config::creep_linear, "[m/s] ahead, up to which unseen space may be entered"),
-                Field("creep_reverse", &Config::creep_reverse, "[m/s] the same backwards"),
-                Field("creep_angular", &Config::creep_angular, "[rad/s] the same turning"),
-                Field("least_scale", &Config::least_scale, "share down to which a twist is slowed down first"),
-                Field("linear_samples", &Config::linear_samples, "speeds tried, from the wanted one to 0"),
-                Field("angular_samples", &Config::angular_samples, "turning rates tried, around the wanted one"));
+  bind_settings(
+      m, "SupervisorConfig", "How far ahead the supervisor looks and how near it lets the chair come.",
+      Field("period", &Config::period, "[s] between two commands"),
+      Field("jitter", &Config::jitter, "[s] by which the next command may come late"),
+      Field("margin", &Config::margin, "[m] to keep between footprint and points at speed"),
+      Field("least_margin", &Config::least_margin, "[m] ... and at standstill; between them in proportion"),
+      Field("margin_linear", &Config::margin_linear, "[m/s] from which `margin` is kept ..."),
+      Field("margin_angular", &Config::margin_angular, "[rad/s] ... or from this turning rate"),
+      Field("passing_margin", &Config::passing_margin, "[m] beside the way of a chair that creeps straight on"),
+      Field("dynamics_error", &Config::dynamics_error,
+            "share by which accelerations and braking may be quicker or slower than the limits say"),
+      Field("speed_error", &Config::speed_error,
+            "share by which speeds over ground may differ from odometry and command"),
+      Field("obstacle_speed", &Config::obstacle_speed, "[m/s] at which points may come nearer"),
+      Field("creep_linear", &Config::creep_linear, "[m/s] creeping: ahead at most this fast"),
+      Field("creep_reverse", &Config::creep_reverse, "[m/s] ... backwards"),
+      Field("creep_angular", &Config::creep_angular, "[rad/s] ... and turning; so, unseen space may be entered"),
+      Field("least_scale", &Config::least_scale, "share down to which a twist is slowed down first"),
+      Field("linear_samples", &Config::linear_samples, "speeds tried, from the wanted one to 0"),
+      Field("angular_samples", &Config::angular_samples, "turning rates tried, around the wanted one"));
 }
 
 SupervisorResult filter(Supervisor& supervisor, const Twist2& wanted, const Twist2& current,

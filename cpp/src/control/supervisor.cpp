@@ -30,6 +30,7 @@ void validate(const SupervisorConfig& config) {
   require_between("jitter", config.jitter, 0, longest_prospect, "s");
   require_between("margin", config.margin, 0, 1, "m");
   require_between("least_margin", config.least_margin, 0, config.margin, "m");
+  require_between("passing_margin", config.passing_margin, 0, config.least_margin, "m");
   require_between("margin_linear", config.margin_linear, 0.01, 10, "m/s");
   require_between("margin_angular", config.margin_angular, 0.01, 10, "rad/s");
   require_between("dynamics_error", config.dynamics_error, 0, 0.9, "");
@@ -115,8 +116,8 @@ void Supervisor::look(const Twist2& aim, const Twist2& current, const ObstaclePo
   const double travel = speed * (1 + config_.speed_error) * (following + stopping / 2);
   const double approach = config_.obstacle_speed * (age_ + following + std::max(stopping, turning));
   const double reach = travel + footprint_.outer_radius() + rounding;
-  points_.gather(obstacles, reach + config_.margin + approach, footprint_, config_.least_margin);
-  unseen_.gather(unseen, reach, footprint_, config_.least_margin);
+  points_.gather(obstacles, reach + config_.margin + approach, footprint_, config_.passing_margin);
+  unseen_.gather(unseen, reach, footprint_, config_.passing_margin);
   rollouts_.start(current, pending);
 }
 
@@ -227,20 +228,24 @@ bool Supervisor::free_across(const End& from, const End& to) {
   return middle.slack >= -rounding && free_across(from, middle) && free_across(middle, to);
 }
 
-// Scales on a grid from the top, since a faster one may be admissible where a slower one is not; then refined upwards.
+// From an admissible twist towards another one, as far as it stays admissible.
+Twist2 Supervisor::refined(Twist2 good, Twist2 bad) {
+  for (int k = 0; k < 3; ++k) {
+    const Twist2 middle{(good.linear + bad.linear) / 2, (good.angular + bad.angular) / 2};
+    (admissible(middle) ? good : bad) = middle;
+  }
+  return good;
+}
+
+// Scales on a grid from the top, since a faster one may be admissible where a slower one is not.
 bool Supervisor::largest_scale(const Twist2& wanted, Twist2& found) {
-  constexpr int steps = 6, refinements = 3;
+  constexpr int steps = 3;
   const auto scaled = [&](double scale) { return Twist2{scale * wanted.linear, scale * wanted.angular}; };
   const double spacing = (1 - config_.least_scale) / steps;
   for (int i = 1; i <= steps; ++i) {
-    double good = 1 - i * spacing;
-    if (!admissible(scaled(good))) continue;
-    double bad = good + spacing;
-    for (int k = 0; k < refinements; ++k) {
-      const double middle = (good + bad) / 2;
-      (admissible(scaled(middle)) ? good : bad) = middle;
-    }
-    found = scaled(good);
+    const double scale = 1 - i * spacing;
+    if (!admissible(scaled(scale))) continue;
+    found = refined(scaled(scale), scaled(scale + spacing));
     return true;
   }
   return false;
@@ -279,7 +284,7 @@ bool Supervisor::nearest_twist(const Twist2& wanted, Twist2& found) {
   list_candidates(wanted);
   for (const Candidate& candidate : candidates_) {
     if (!admissible(candidate.twist)) continue;
-    found = candidate.twist;
+    found = refined(candidate.twist, wanted);
     return true;
   }
   return false;

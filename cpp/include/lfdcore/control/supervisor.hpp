@@ -14,21 +14,22 @@
 namespace lfdcore {
 
 struct SupervisorConfig {
-  double period = 0.1;          ///< between two commands [s]
-  double jitter = 0.05;         ///< by which the next command may come late [s]
-  double margin = 0.04;         ///< distance to keep between footprint and points at speed [m]
-  double least_margin = 0.015;  ///< ... and at standstill; in between in proportion to the speed [m]
-  double margin_linear = 0.5;   ///< speed from which `margin` is kept [m/s] ...
-  double margin_angular = 1.0;  ///< ... or turning rate [rad/s]
-  double dynamics_error = 0.2;  ///< share by which accelerations and braking may differ from the limits
-  double speed_error = 0.05;    ///< share by which speeds over ground may differ from odometry and command
-  double obstacle_speed = 0;    ///< at which points may come nearer [m/s]
-  double creep_linear = 0.1;    ///< speed ahead up to which unseen space may be entered [m/s] ...
-  double creep_reverse = 0.15;  ///< ... backwards [m/s] ...
-  double creep_angular = 0.2;   ///< ... and turning [rad/s]
-  double least_scale = 0.25;    ///< a wanted twist is slowed down to this share before other directions are tried
-  int linear_samples = 9;       ///< speeds tried, from the wanted one to 0
-  int angular_samples = 17;     ///< turning rates tried, around the wanted one
+  double period = 0.1;            ///< between two commands [s]
+  double jitter = 0.05;           ///< by which the next command may come late [s]
+  double margin = 0.04;           ///< distance to keep between footprint and points at speed [m]
+  double least_margin = 0.015;    ///< ... and at standstill; in between in proportion to the speed [m]
+  double margin_linear = 0.5;     ///< speed from which `margin` is kept [m/s] ...
+  double margin_angular = 1.0;    ///< ... or turning rate [rad/s]
+  double passing_margin = 0.005;  ///< distance beside the way of a chair that creeps straight on [m]
+  double dynamics_error = 0.2;    ///< share by which accelerations and braking may differ from the limits
+  double speed_error = 0.05;      ///< share by which speeds over ground may differ from odometry and command
+  double obstacle_speed = 0;      ///< at which points may come nearer [m/s]
+  double creep_linear = 0.1;      ///< creeping: ahead at most this fast [m/s] ...
+  double creep_reverse = 0.15;    ///< ... backwards [m/s] ...
+  double creep_angular = 0.2;     ///< ... and turning [rad/s]; so, unseen space may be entered
+  double least_scale = 0.75;      ///< a wanted twist is slowed down to this share before other directions are tried
+  int linear_samples = 9;         ///< speeds tried, from the wanted one to 0
+  int angular_samples = 17;       ///< turning rates tried, around the wanted one
 };
 
 /// Throws std::invalid_argument, naming the field and its bound.
@@ -56,8 +57,8 @@ struct SupervisorResult {
 /// come nearer, and says nothing about other points. What braking after `period` passes is what the command 0 passes in
 /// the next period. Motion between the tested poses is bounded, not sampled: nothing is missed by more than 2 mm.
 ///
-/// Search: the wanted twist; its scaled copies (same arc) down to `least_scale`, the largest; then other twists in the
-/// order of their distance to it; then 0. See `may_replace`.
+/// Search: the wanted twist; its scaled copies (same arc) down to `least_scale`, the largest; then the nearest of a
+/// grid of twists that may replace it, moved towards it as far as that is admissible; then 0. See `may_replace`.
 class Supervisor {
  public:
   /// Throws std::invalid_argument for invalid limits or config, a footprint that is not positive, or limits that
@@ -115,6 +116,7 @@ class Supervisor {
   double reach_at(double place) const;
   Pose2 pose_at(double place) const;
   double slack_at(const Pose2& pose);
+  Twist2 refined(Twist2 good, Twist2 bad);
   bool largest_scale(const Twist2& wanted, Twist2& found);
   bool nearest_twist(const Twist2& wanted, Twist2& found);
   void list_candidates(const Twist2& wanted);
