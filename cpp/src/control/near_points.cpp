@@ -7,7 +7,7 @@
 namespace lfdcore {
 
 constexpr std::size_t lanes = 8, chunk = 64;
-constexpr double rounding = 1e-9;  // [m]
+constexpr double hair = 1e-4;  // [m]: what touches the side is passed, however ranges of 32 bits are rounded
 
 // Of some points in a row.
 struct Columns {
@@ -34,7 +34,7 @@ LFDCORE_CLONES void lower_slack(const Columns& points, std::size_t count, const 
       const double inner = beyond_x > beyond_y ? beyond_x : beyond_y;
       const double wanted = required + uncertainty[i + k];
       const double keep = wanted < most[i + k] ? wanted : most[i + k], beside = passing[i + k] - sideways;
-      const double passed = beside >= uncertainty[i + k] && beside < keep ? beside : keep;
+      const double passed = beside >= uncertainty[i + k] - hair && beside < keep ? beside : keep;
       const double slack = std::sqrt(ox * ox + oy * oy) + (inner < 0 ? inner : 0) - passed;
       least[k] = slack < least[k] ? slack : least[k];
     }
@@ -94,7 +94,7 @@ void NearPoints::find_passing(const Footprint& footprint, double least) {
   }
   for (std::size_t i = 0; i < count_; ++i) {
     const double beside = std::abs(y_[i]) - footprint.half_width;
-    if (beside >= least - rounding) passing_[i] = std::max(beside, 0.0);
+    if (beside >= least - hair) passing_[i] = beside;
   }
 }
 
