@@ -176,26 +176,59 @@ void bind_scan_mapping(py::module_& m) {
 }
 
 void bind_rolling_map(py::module_& m) {
+  const RollingMapConfig defaults;
   py::class_<RollingMap>(
       m, "RollingMap",
       "A map of recent scans around the robot, aligned with the odometry frame, for what the LIDAR no longer sees.\n\n"
-      "Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration`\n"
-      "[s]; a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.\n"
-      "radius [m], 0.5 to 20: how far from the robot obstacles() looks.")
-      .def(py::init<double, double>(), py::arg("duration") = 30.0, py::arg("radius") = 4.0)
+      "Hits that agree become one point, their mean. A point is remembered for `duration` [s]; it is forgotten "
+      "earlier\n"
+      "when beams go on behind it, and 3 s after its last hit where a person stepped into space that had just been "
+      "seen\n"
+      "empty and did not stay there for 3 s.\n\n"
+      "radius [m], 0.5 to 20: how far from the robot obstacles() looks. range_noise [m], 0.001 to 0.2: standard "
+      "deviation\n"
+      "of a range. odometry_error, 0 to 0.5: share of way and turn by which the odometry may be wrong. own_body: the\n"
+      "robot's outline; hits deeper inside it than 0.03 m are its own, and what it stood on counts as seen.\n"
+      "ValueError for values out of these bounds.")
+      .def(py::init([](double duration, double radius, double range_noise, double odometry_error,
+                       std::optional<Footprint> own_body) {
+             return RollingMap({duration, radius, range_noise, odometry_error, own_body});
+           }),
+           py::arg("duration") = defaults.duration, py::arg("radius") = defaults.radius,
+           py::arg("range_noise") = defaults.range_noise, py::arg("odometry_error") = defaults.odometry_error,
+           py::arg("own_body") = py::none())
       .def("insert", &RollingMap::insert, py::arg("stamp"), py::arg("scan"), py::arg("T_base_laser"),
            py::arg("T_odom_base"), without_gil(),
            "Adds a scan taken at `stamp` [s] from T_odom_base. ValueError, and no change, for an invalid scan or pose "
            "or a stamp before the last one.")
       .def("obstacles", &RollingMap::obstacles, py::arg("T_odom_base"), without_gil(),
-           "The remembered points within `radius` of base_link, in base_link -> ObstaclePoints.")
+           "The remembered points within `radius` of base_link, in base_link, each with 3 standard errors as its\n"
+           "uncertainty -> ObstaclePoints. With an odometry_error, what the last scan did not hit is given with the "
+           "ends\n"
+           "of where it may lie by now: the share of the way driven since, and of the turns, moves it.")
+      .def(
+          "unseen", &RollingMap::unseen, py::arg("T_odom_base"), py::arg("body"), py::arg("reach"), without_gil(),
+          "The edge of the space that nothing is known of -> ObstaclePoints in base_link: centres of 0.05 m cells that "
+          "no\nbeam has passed or ended in within `duration`, beside known ones, no farther from the outline of `body` "
+          "than\n`reach` [m], 0 to 10. What lies under the body is known, and what was under own_body in any scan. "
+          "Gaps "
+          "of\nless than 0.25 m count as seen. ValueError for a pose or body that is not finite, or a reach out of "
+          "bounds.")
       .def(
           "local_grid", &RollingMap::local_grid, py::arg("T_odom_base"), without_gil(),
           "The window around base_link -> OccupancyGrid (100 x 100 of 0.05 m): occupied where a remembered point lies, "
           "else free where seen free within `duration`, else -1.")
       .def("clear", &RollingMap::clear, "Forgets everything, stamps included.")
-      .def_property_readonly("duration", &RollingMap::duration, "[s]")
-      .def_property_readonly("radius", &RollingMap::radius, "[m]")
+      .def_property_readonly(
+          "duration", [](const RollingMap& map) { return map.config().duration; }, "[s]")
+      .def_property_readonly(
+          "radius", [](const RollingMap& map) { return map.config().radius; }, "[m]")
+      .def_property_readonly(
+          "range_noise", [](const RollingMap& map) { return map.config().range_noise; }, "[m]")
+      .def_property_readonly(
+          "odometry_error", [](const RollingMap& map) { return map.config().odometry_error; }, "share")
+      .def_property_readonly(
+          "own_body", [](const RollingMap& map) { return map.config().own_body; }, "Footprint or None")
       .def("__len__", &RollingMap::size, "number of points remembered");
 }
 

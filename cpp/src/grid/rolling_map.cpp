@@ -1,53 +1,70 @@
 #include "lfdcore/grid/rolling_map.hpp"
 
-#include <bit>
 #include <cmath>
 #include <string>
-#include <utility>
 
-#include "lfdcore/grid/cell_walk.hpp"
+#include "lfdcore/grid/frontier.hpp"
 #include "lfdcore/grid/scan_mapping.hpp"
 #include "pose_check.hpp"
 
 namespace lfdcore {
 namespace {
 
-constexpr double resolution = 0.025;  // [m] of a cell
 constexpr double smallest_side = 10;  // [m] of the square
-constexpr double beam_radius = 0.02;  // [m] a beam this near a point passes through what stood there ...
-constexpr double seen_beyond = 0.3;   // [m] ... if it goes on this far
-constexpr std::size_t usual_hits = 16384;
 
-std::int64_t cell_of(double metres) {
-  const double cells = metres / resolution;
-  const auto towards_zero = static_cast<std::int64_t>(cells);
-  return towards_zero - (static_cast<double>(towards_zero) > cells ? 1 : 0);
+// A beam passes through what stood at a point if it goes on behind it by so many standard errors of the difference, and
+// - it is this near, and goes on by so many times its distance from the point more (walls are seen at 3.8 degrees), or
+// - so does one on the point's other side, with no more than this gap between the two.
+constexpr double passing_errors = 3;
+constexpr double beam_radius = 0.01;  // [m]
+constexpr double passing_slope = 15;
+constexpr double passing_gap = 0.03;        // [m]
+constexpr std::int32_t misses_to_drop = 3;  // scans, at most; a doubtful point goes at the first
+
+constexpr double recent = 3;               // [s] how long before a person stepped in the space was seen empty
+constexpr double settling = 3;             // [s] of hits, after which it is as good as furniture
+constexpr double fading = 3;               // [s] after which it is forgotten, unless it has settled
+constexpr double settled_distance = 0.06;  // [m] beside a settled point nothing is young ...
+constexpr double settled_age = 1;          // [s] ... if it has stood there for this long
+
+constexpr double own_depth = 0.03;      // [m] inside the outline
+constexpr double sure_errors = 3;       // [sd of a range] before its end, a beam has surely passed
+constexpr double uncertain_errors = 3;  // standard errors of a point's uncertainty
+constexpr double round_error = 0.01;    // [m] of it is given as an uncertainty to all sides, more of it along the beams
+constexpr double least_shift = 0.005;   // [m] nearer places are left out
+constexpr std::size_t most_places = 10;
+
+constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen space ...
+constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
+constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
+
+double distance_outside(const Footprint& body, double x, double y) {
+  const double beyond = std::max({x - body.front, -body.rear - x, 0.0});
+  return std::hypot(beyond, std::max(std::abs(y) - body.half_width, 0.0));
 }
 
 }  // namespace
 
-RollingMap::RollingMap(double duration, double radius) : duration_(duration), radius_(radius) {
-  require_positive("duration", duration, "s");
-  require_between("radius", radius, 0.5, 20, "m");
-  const double side = std::max(smallest_side, 2 * radius + 1);
-  side_ = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(side / resolution))));
-  cells_.resize(static_cast<std::size_t>(side_) * side_);
-  hits_.reserve(usual_hits);
+void validate(const RollingMapConfig& config) {
+  require_positive("duration", config.duration, "s");
+  require_between("radius", config.radius, 0.5, 20, "m");
+  require_between("range_noise", config.range_noise, 0.001, 0.2, "m");
+  require_between("odometry_error", config.odometry_error, 0, 0.5, "(share)");
+  if (config.own_body) require_bounded(*config.own_body);
 }
+
+RollingMap::RollingMap(const RollingMapConfig& config)
+    : config_((validate(config), config)),
+      cells_(std::max(smallest_side, 2 * config.radius + 1)),
+      points_(config.range_noise, cells_.side() / 4) {}
 
 void RollingMap::clear() {
-  std::fill(cells_.begin(), cells_.end(), CellState{});
-  hits_.clear();
-  stamps_.clear();
-  first_stamp_ = 0;
+  cells_.clear();
+  points_.clear();
+  taken_.clear();
+  first_taken_ = 0;
   last_scan_ = 0;
-}
-
-std::int64_t RollingMap::slot_at(double x, double y) const {
-  const std::int64_t ix = cell_of(x), iy = cell_of(y);
-  const std::int64_t from_left = ix - corner_ix_, from_bottom = iy - corner_iy_;
-  if (from_left < 0 || from_left >= side_ || from_bottom < 0 || from_bottom >= side_) return outside;
-  return (iy & (side_ - 1)) * side_ + (ix & (side_ - 1));
+  recent_scan_ = 1;
 }
 
 void RollingMap::insert(double stamp, const LaserScan& scan, const Pose2& T_base_laser, const Pose2& T_odom_base) {
@@ -55,104 +72,112 @@ void RollingMap::insert(double stamp, const LaserScan& scan, const Pose2& T_base
   require_finite("stamp", stamp, "s");
   require_pose("T_base_laser", T_base_laser);
   require_pose("T_odom_base", T_odom_base);
-  if (!stamps_.empty() && stamp < stamps_.back())
+  if (!taken_.empty() && stamp < taken_.back().stamp)
     throw std::invalid_argument("stamp is " + std::to_string(stamp) + " s, must not precede the last scan's, " +
-                                std::to_string(stamps_.back()) + " s");
-  count_scan(stamp);
-  follow(T_odom_base.x, T_odom_base.y);
+                                std::to_string(taken_.back().stamp) + " s");
+  count_scan(stamp, T_odom_base);
+  if (cells_.follow(T_odom_base.x, T_odom_base.y))
+    points_.drop_if([this](const FusedPoint& point) { return cells_.at(point.x, point.y) == nullptr; });
   const Pose2 T_odom_laser = T_odom_base * T_base_laser;
-  read_rays(scan, T_odom_laser.yaw);
-  mark_free(T_odom_laser);
+  read_rays(scan, T_base_laser, T_odom_laser.yaw);
   add_hits(T_odom_laser);
-  drop_stale_hits(scan, T_odom_laser);
+  mark_free(T_odom_laser);
+  if (config_.own_body) cells_.cover(T_odom_base, *config_.own_body, last_scan_);
+  drop_stale(scan, T_odom_laser);
 }
 
-void RollingMap::count_scan(double stamp) {
+// The odometry's way goes on from the last scan's to here; a turn happens halfway.
+RollingMap::Taken RollingMap::at(double stamp, const Pose2& T_odom_base) const {
+  Taken now{stamp, T_odom_base.x, T_odom_base.y};
+  if (taken_.empty()) return now;
+  const Taken& last = taken_.back();
+  const double turn = wrap_angle(T_odom_base.yaw - last_yaw_);
+  now.turn = last.turn + turn;
+  now.turn_x = last.turn_x + turn * (last.x + now.x) / 2;
+  now.turn_y = last.turn_y + turn * (last.y + now.y) / 2;
+  return now;
+}
+
+void RollingMap::count_scan(double stamp, const Pose2& T_odom_base) {
+  const Taken now = at(stamp, T_odom_base);
+  last_yaw_ = T_odom_base.yaw;
+  forget_old_stamps(stamp);
+  taken_.push_back(now);
   ++last_scan_;
-  while (first_stamp_ < stamps_.size() && stamps_[first_stamp_] < stamp - duration_) ++first_stamp_;
-  // Moves the rest to the front now and then, so that the buffer stops growing.
-  if (2 * first_stamp_ > stamps_.size()) {
-    stamps_.erase(stamps_.begin(), stamps_.begin() + static_cast<std::ptrdiff_t>(first_stamp_));
-    first_stamp_ = 0;
-  }
-  stamps_.push_back(stamp);
+  recent_scan_ = std::max(recent_scan_, oldest_scan());
+  while (taken(recent_scan_).stamp < stamp - recent) ++recent_scan_;
 }
 
-// Puts the square around the robot and forgets the cells that it leaves.
-void RollingMap::follow(double x, double y) {
-  const std::int64_t old_x = std::exchange(corner_ix_, cell_of(x) - side_ / 2);
-  const std::int64_t old_y = std::exchange(corner_iy_, cell_of(y) - side_ / 2);
-  const std::int64_t dx = corner_ix_ - old_x, dy = corner_iy_ - old_y;
-  if (dx == 0 && dy == 0) return;
-  drop_hits_if([this](const Hit& hit) { return slot_at(hit.x, hit.y) == outside; });
-  const auto moved = [this](std::int64_t shift) { return std::clamp<std::int64_t>(shift, -side_, side_); };
-  if (dx > 0) forget_free_columns(corner_ix_ + side_ - moved(dx), corner_ix_ + side_);
-  if (dx < 0) forget_free_columns(corner_ix_, corner_ix_ - moved(dx));
-  if (dy > 0) forget_free_rows(corner_iy_ + side_ - moved(dy), corner_iy_ + side_);
-  if (dy < 0) forget_free_rows(corner_iy_, corner_iy_ - moved(dy));
+// Moves the rest to the front now and then, so that the buffer stops growing.
+void RollingMap::forget_old_stamps(double stamp) {
+  while (first_taken_ < taken_.size() && taken_[first_taken_].stamp < stamp - config_.duration) ++first_taken_;
+  if (2 * first_taken_ <= taken_.size()) return;
+  taken_.erase(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(first_taken_));
+  first_taken_ = 0;
 }
 
-void RollingMap::forget_free_columns(std::int64_t from, std::int64_t to) {
-  for (int iy = 0; iy < side_; ++iy)
-    for (std::int64_t ix = from; ix < to; ++ix) cells_[iy * side_ + (ix & (side_ - 1))].last_free = 0;
-}
-
-void RollingMap::forget_free_rows(std::int64_t from, std::int64_t to) {
-  for (std::int64_t iy = from; iy < to; ++iy)
-    for (int ix = 0; ix < side_; ++ix) cells_[(iy & (side_ - 1)) * side_ + ix].last_free = 0;
-}
-
-void RollingMap::read_rays(const LaserScan& scan, double yaw) {
+void RollingMap::read_rays(const LaserScan& scan, const Pose2& T_base_laser, double yaw) {
   rays_.resize(scan.ranges.size());
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     const Beam beam = read_beam(scan, i);
     const double angle = yaw + scan.angle(i);
     rays_[i] = {std::cos(angle), std::sin(angle), beam.length, beam.hit};
+    if (beam.hit && config_.own_body && own(T_base_laser, scan.angle(i), beam.length)) rays_[i] = {1, 0, 0, false};
+  }
+}
+
+bool RollingMap::own(const Pose2& T_base_laser, double angle, double length) const {
+  const Eigen::Vector2d end = T_base_laser * Eigen::Vector2d(length * std::cos(angle), length * std::sin(angle));
+  return distance_outside(config_.own_body->grown(-own_depth), end.x(), end.y()) == 0;
+}
+
+void RollingMap::add_hits(const Pose2& T_odom_laser) {
+  const double stamp = taken_.back().stamp;
+  for (const Ray& ray : rays_) {
+    if (!ray.hit || ray.length > 2 * farthest) continue;
+    const double x = T_odom_laser.x + ray.length * ray.dx, y = T_odom_laser.y + ray.length * ray.dy;
+    if (cells_.at(x, y) == nullptr) continue;
+    const auto [point, fresh] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_});
+    if (point == nullptr) continue;
+    if (fresh)
+      point->young = cells_.clear_around(point->x, point->y, recent_scan_) &&
+                     !points_.settled_near(point->x, point->y, settled_distance, settled_age);
+    else if (point->young && stamp - point->since >= settling)
+      point->young = false;
   }
 }
 
 void RollingMap::mark_free(const Pose2& T_odom_laser) {
-  const double x = T_odom_laser.x / resolution - static_cast<double>(corner_ix_);
-  const double y = T_odom_laser.y / resolution - static_cast<double>(corner_iy_);
+  const double unsure = sure_errors * config_.range_noise;
   for (const Ray& ray : rays_) {
     if (!(ray.length > 0)) continue;
-    walk_cells({x, y, ray.dx, ray.dy}, side_, side_, ray.length / resolution, [this](Cell cell) {
-      const std::int64_t ix = (corner_ix_ + cell.ix) & (side_ - 1), iy = (corner_iy_ + cell.iy) & (side_ - 1);
-      cells_[iy * side_ + ix].last_free = last_scan_;
-    });
+    cells_.cross(T_odom_laser.x, T_odom_laser.y, ray.dx, ray.dy, ray.length, ray.length - (ray.hit ? unsure : 0),
+                 last_scan_);
   }
+  for (const Ray& ray : rays_)
+    if (ray.hit && ray.length <= 2 * farthest)
+      cells_.hit(T_odom_laser.x + ray.length * ray.dx, T_odom_laser.y + ray.length * ray.dy);
 }
 
-void RollingMap::add_hits(const Pose2& T_odom_laser) {
-  for (const Ray& ray : rays_) {
-    if (!ray.hit || ray.length > 2 * farthest) continue;
-    const double x = T_odom_laser.x + ray.length * ray.dx, y = T_odom_laser.y + ray.length * ray.dy;
-    const std::int64_t slot = slot_at(x, y);
-    if (slot == outside) continue;
-    CellState& cell = cells_[slot];
-    cell.last_free = 0;
-    if (cell.hit < 0) {
-      cell.hit = static_cast<std::int32_t>(hits_.size());
-      hits_.emplace_back();
-    }
-    hits_[cell.hit] = {x, y, last_scan_, static_cast<std::uint32_t>(slot)};
-  }
-}
-
-void RollingMap::drop_stale_hits(const LaserScan& scan, const Pose2& T_odom_laser) {
+void RollingMap::drop_stale(const LaserScan& scan, const Pose2& T_odom_laser) {
   const ScanNumber oldest = oldest_scan();
-  drop_hits_if([&](const Hit& hit) {
-    return hit.scan != last_scan_ && (hit.scan < oldest || seen_through(hit, scan, T_odom_laser));
+  const double now = taken_.back().stamp;
+  points_.drop_if([&](FusedPoint& point) {
+    if (point.scan == last_scan_) return false;
+    if (point.scan < oldest || (point.young && now - point.seen > fading)) return true;
+    if (!seen_through(point, scan, T_odom_laser)) return false;
+    return point.hits <= FusedPoints::doubtful_hits || ++point.misses >= misses_to_drop;
   });
 }
 
 // Looks only at the beams whose angle brings them near enough to the point.
-bool RollingMap::seen_through(const Hit& hit, const LaserScan& scan, const Pose2& T_odom_laser) const {
-  const double dx = hit.x - T_odom_laser.x, dy = hit.y - T_odom_laser.y, distance = std::hypot(dx, dy);
+bool RollingMap::seen_through(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) const {
+  const double dx = point.x - T_odom_laser.x, dy = point.y - T_odom_laser.y, distance = std::hypot(dx, dy);
   const double sign = scan.angle_increment > 0 ? 1 : -1, increment = std::abs(scan.angle_increment);
   const double last = increment * static_cast<double>(rays_.size() - 1);
-  if (last > 4 * pi) return any_through(hit, T_odom_laser, 0, rays_.size());
-  const double spread = distance > beam_radius ? std::asin(beam_radius / distance) + 1e-9 : pi;
+  Passing passing{dx, dy, passing_errors * points_.innovation(point)};
+  if (last > 4 * pi) return any_through(passing, 0, rays_.size());
+  const double spread = distance > passing_gap ? std::asin(passing_gap / distance) + 1e-9 : pi;
   // Angle from beam 0 on, in the direction in which the scan turns, less than a turn.
   const double turned = sign * (std::atan2(dy, dx) - T_odom_laser.yaw - scan.angle_min);
   const double start = turned - 2 * pi * std::floor(turned / (2 * pi));
@@ -161,48 +186,126 @@ bool RollingMap::seen_through(const Hit& hit, const LaserScan& scan, const Pose2
     const double beams = static_cast<double>(rays_.size());
     const auto from = static_cast<std::size_t>(std::clamp(std::ceil((angle - spread) / increment), 0.0, beams));
     const auto to = static_cast<std::size_t>(std::clamp(std::floor((angle + spread) / increment) + 1, 0.0, beams));
-    if (any_through(hit, T_odom_laser, from, to)) return true;
+    if (any_through(passing, from, to)) return true;
   }
   return false;
 }
 
-bool RollingMap::any_through(const Hit& hit, const Pose2& T_odom_laser, std::size_t from, std::size_t to) const {
-  const double dx = hit.x - T_odom_laser.x, dy = hit.y - T_odom_laser.y;
+bool RollingMap::any_through(Passing& passing, std::size_t from, std::size_t to) const {
   for (std::size_t i = from; i < to; ++i) {
     const Ray& ray = rays_[i];
-    const double along = dx * ray.dx + dy * ray.dy, beside = dx * ray.dy - dy * ray.dx;
-    if (along >= 0 && std::abs(beside) <= beam_radius && along + seen_beyond <= ray.length) return true;
+    const double along = passing.dx * ray.dx + passing.dy * ray.dy, left = passing.dx * ray.dy - passing.dy * ray.dx;
+    const double beyond = ray.length - along - passing.noise, beside = std::abs(left);
+    if (along < 0 || beyond <= 0) continue;
+    if (beside <= beam_radius && beyond > passing_slope * beside) return true;
+    double& nearest = left > 0 ? passing.left : passing.right;
+    nearest = std::min(nearest, beside);
+    if (passing.left + passing.right <= passing_gap) return true;
   }
   return false;
-}
-
-template <class Stale>
-void RollingMap::drop_hits_if(Stale stale) {
-  for (std::size_t i = 0; i < hits_.size();) {
-    if (!stale(hits_[i])) {
-      ++i;
-      continue;
-    }
-    cells_[hits_[i].slot].hit = -1;
-    if (i + 1 < hits_.size()) {
-      hits_[i] = hits_.back();
-      cells_[hits_[i].slot].hit = static_cast<std::int32_t>(i);
-    }
-    hits_.pop_back();
-  }
 }
 
 ObstaclePoints RollingMap::obstacles(const Pose2& T_odom_base) const {
   require_pose("T_odom_base", T_odom_base);
   const double c = std::cos(T_odom_base.yaw), s = std::sin(T_odom_base.yaw);
-  Path points(static_cast<Eigen::Index>(hits_.size()), 2);
-  Eigen::Index count = 0;
-  for (const Hit& hit : hits_) {
-    const double dx = hit.x - T_odom_base.x, dy = hit.y - T_odom_base.y;
-    if (dx * dx + dy * dy <= radius_ * radius_) points.row(count++) << c * dx + s * dy, -s * dx + c * dy;
+  const Taken now = at(0, T_odom_base);
+  std::vector<Shift> places;
+  std::vector<double> uncertainty;
+  Path points(static_cast<Eigen::Index>(size() * most_places), 2);
+  for (const FusedPoint& point : points_.points()) {
+    const double dx = point.x - T_odom_base.x, dy = point.y - T_odom_base.y;
+    if (dx * dx + dy * dy > config_.radius * config_.radius) continue;
+    const double error = uncertain_errors * points_.standard_error(point);
+    find_places(point, error, now, places);
+    for (const auto& [x, y] : places) {
+      points.row(static_cast<Eigen::Index>(uncertainty.size())) << c * (dx + x) + s * (dy + y),
+          -s * (dx + x) + c * (dy + y);
+      uncertainty.push_back(std::min(error, round_error));
+    }
   }
+  points.conservativeResize(static_cast<Eigen::Index>(uncertainty.size()), 2);
+  return ObstaclePoints(std::move(points), std::move(uncertainty));
+}
+
+// Where a point may be, as shifts from its mean: there, or nearer along its beams; either moved by the odometry's
+// error.
+void RollingMap::find_places(const FusedPoint& point, double error, const Taken& now,
+                             std::vector<Shift>& places) const {
+  places.assign(1, {0, 0});
+  const double nearer = error - round_error, length = std::hypot(point.mean_dx, point.mean_dy);
+  if (nearer >= least_shift) places.push_back({-nearer * point.mean_dx / length, -nearer * point.mean_dy / length});
+  if (config_.odometry_error > 0) add_odometry_errors(point, now, places);
+}
+
+// To first order: too long a way moves everything along it; a turn that was wrong by an angle turns the point by it
+// about the place of the turn, which adds up to angle x (point - mean place of turning).
+void RollingMap::add_odometry_errors(const FusedPoint& point, const Taken& now, std::vector<Shift>& places) const {
+  const Taken& then = taken(point.scan);
+  const double turn = now.turn - then.turn, share = config_.odometry_error;
+  const Shift way{share * (now.x - then.x), share * (now.y - then.y)};
+  const Shift arc{-share * (turn * point.y - (now.turn_y - then.turn_y)),
+                  share * (turn * point.x - (now.turn_x - then.turn_x))};
+  const std::size_t standing = places.size();
+  const auto add = [&](double x, double y) {
+    if (std::hypot(x, y) < least_shift) return;
+    for (std::size_t i = 0; i < standing; ++i) {
+      const Shift from = places[i];
+      places.push_back({from.x + x, from.y + y});
+      places.push_back({from.x - x, from.y - y});
+    }
+  };
+  add(way.x + arc.x, way.y + arc.y);
+  if (std::min(std::hypot(way.x, way.y), std::hypot(arc.x, arc.y)) >= least_shift) add(way.x - arc.x, way.y - arc.y);
+}
+
+ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& body, double reach) const {
+  require_pose("T_odom_base", T_odom_base);
+  require_bounded(body);
+  require_between("reach", reach, 0, 10, "m");
+  const double half = body.outer_radius() + reach + (crack + 1) * coarse;
+  const double corner_x = coarse * std::floor((T_odom_base.x - half) / coarse);
+  const double corner_y = coarse * std::floor((T_odom_base.y - half) / coarse);
+  const auto side = static_cast<Eigen::Index>(std::ceil(2 * half / coarse)) + 1;
+  const Mask edge = edge_of(open_mask(unknown_around(T_odom_base, body, side, corner_x, corner_y), crack));
+  const Pose2 T_base_odom = T_odom_base.inverse();
+  Path points(edge.count(), 2);
+  Eigen::Index count = 0;
+  for (Eigen::Index iy = 0; iy < side; ++iy)
+    for (Eigen::Index ix = 0; ix < side; ++ix) {
+      if (!edge(iy, ix)) continue;
+      const Eigen::Vector2d centre(corner_x + (static_cast<double>(ix) + 0.5) * coarse,
+                                   corner_y + (static_cast<double>(iy) + 0.5) * coarse);
+      const Eigen::Vector2d place = T_base_odom * centre;
+      if (distance_outside(body, place.x(), place.y()) <= reach) points.row(count++) = place.transpose();
+    }
   points.conservativeResize(count, 2);
   return ObstaclePoints(std::move(points));
+}
+
+Mask RollingMap::unknown_around(const Pose2& T_odom_base, const Footprint& body, Eigen::Index side, double corner_x,
+                                double corner_y) const {
+  const ScanNumber oldest = last_scan_ == 0 ? 1 : oldest_scan();
+  const Pose2 T_base_odom = T_odom_base.inverse();
+  const auto seen = [&](double x, double y) {
+    const SeenCells::State* cell = cells_.at(x, y);
+    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= oldest;
+  };
+  Mask unknown(side, side);
+  for (Eigen::Index iy = 0; iy < side; ++iy)
+    for (Eigen::Index ix = 0; ix < side; ++ix) {
+      const double x = corner_x + (static_cast<double>(ix) + 0.5) * coarse;
+      const double y = corner_y + (static_cast<double>(iy) + 0.5) * coarse, quarter = coarse / 4;
+      const Eigen::Vector2d place = T_base_odom * Eigen::Vector2d(x, y);
+      unknown(iy, ix) = !seen(x - quarter, y - quarter) && !seen(x + quarter, y - quarter) &&
+                        !seen(x - quarter, y + quarter) && !seen(x + quarter, y + quarter) &&
+                        distance_outside(body, place.x(), place.y()) > under_body;
+    }
+  for (const FusedPoint& point : points_.points()) {
+    const auto ix = static_cast<Eigen::Index>(std::floor((point.x - corner_x) / coarse));
+    const auto iy = static_cast<Eigen::Index>(std::floor((point.y - corner_y) / coarse));
+    if (ix >= 0 && iy >= 0 && ix < side && iy < side) unknown(iy, ix) = false;
+  }
+  return unknown;
 }
 
 OccupancyGrid RollingMap::local_grid(const Pose2& T_odom_base) const {
@@ -215,15 +318,15 @@ OccupancyGrid RollingMap::local_grid(const Pose2& T_odom_base) const {
     for (int ix = 0; ix < grid.geometry.width; ++ix) {
       const Eigen::Vector2d centre = grid.geometry.centre({ix, iy});
       for (int quarter = 0; quarter < 4; ++quarter) {
-        const double x = centre.x() + (quarter % 2 == 0 ? -0.5 : 0.5) * resolution;
-        const double y = centre.y() + (quarter < 2 ? -0.5 : 0.5) * resolution;
-        const std::int64_t slot = slot_at(T_odom_base.x + c * x - s * y, T_odom_base.y + s * x + c * y);
-        if (slot != outside && cells_[slot].last_free >= oldest) grid.data(iy, ix) = free_cell;
+        const double x = centre.x() + (quarter % 2 == 0 ? -0.5 : 0.5) * SeenCells::resolution;
+        const double y = centre.y() + (quarter < 2 ? -0.5 : 0.5) * SeenCells::resolution;
+        const SeenCells::State* cell = cells_.at(T_odom_base.x + c * x - s * y, T_odom_base.y + s * x + c * y);
+        if (cell != nullptr && cell->last_free >= oldest) grid.data(iy, ix) = free_cell;
       }
     }
   }
-  for (const Hit& hit : hits_) {
-    const double dx = hit.x - T_odom_base.x, dy = hit.y - T_odom_base.y;
+  for (const FusedPoint& point : points_.points()) {
+    const double dx = point.x - T_odom_base.x, dy = point.y - T_odom_base.y;
     const Cell cell = grid.geometry.cell_at(c * dx + s * dy, -s * dx + c * dy);
     if (grid.geometry.contains(cell)) grid.data(cell.iy, cell.ix) = occupied_cell;
   }

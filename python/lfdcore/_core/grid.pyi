@@ -163,12 +163,24 @@ class RollingMap:
     """
     A map of recent scans around the robot, aligned with the odometry frame, for what the LIDAR no longer sees.
 
-    Keeps in each 0.025 m cell of a square of at least 10 x 10 m the exact point of the last hit, for `duration`
-    [s]; a point is forgotten earlier when a beam passes within 0.02 m of it and goes on for 0.3 m.
-    radius [m], 0.5 to 20: how far from the robot obstacles() looks.
+    Hits that agree become one point, their mean. A point is remembered for `duration` [s]; it is forgotten earlier
+    when beams go on behind it, and 3 s after its last hit where a person stepped into space that had just been seen
+    empty and did not stay there for 3 s.
+
+    radius [m], 0.5 to 20: how far from the robot obstacles() looks. range_noise [m], 0.001 to 0.2: standard deviation
+    of a range. odometry_error, 0 to 0.5: share of way and turn by which the odometry may be wrong. own_body: the
+    robot's outline; hits deeper inside it than 0.03 m are its own, and what it stood on counts as seen.
+    ValueError for values out of these bounds.
     """
 
-    def __init__(self, duration: float = 30.0, radius: float = 4.0) -> None: ...
+    def __init__(
+        self,
+        duration: float = 30.0,
+        radius: float = 4.0,
+        range_noise: float = 0.01,
+        odometry_error: float = 0.0,
+        own_body: lfdcore._core.geometry.Footprint | None = None,
+    ) -> None: ...
     def __len__(self) -> int:
         """
         number of points remembered
@@ -197,7 +209,19 @@ class RollingMap:
 
     def obstacles(self, T_odom_base: lfdcore._core.geometry.Pose2) -> ObstaclePoints:
         """
-        The remembered points within `radius` of base_link, in base_link -> ObstaclePoints.
+        The remembered points within `radius` of base_link, in base_link, each with 3 standard errors as its
+        uncertainty -> ObstaclePoints. With an odometry_error, what the last scan did not hit is given with the ends
+        of where it may lie by now: the share of the way driven since, and of the turns, moves it.
+        """
+
+    def unseen(
+        self, T_odom_base: lfdcore._core.geometry.Pose2, body: lfdcore._core.geometry.Footprint, reach: float
+    ) -> ObstaclePoints:
+        """
+        The edge of the space that nothing is known of -> ObstaclePoints in base_link: centres of 0.05 m cells that no
+        beam has passed or ended in within `duration`, beside known ones, no farther from the outline of `body` than
+        `reach` [m], 0 to 10. What lies under the body is known, and what was under own_body in any scan. Gaps of
+        less than 0.25 m count as seen. ValueError for a pose or body that is not finite, or a reach out of bounds.
         """
 
     @property
@@ -207,7 +231,25 @@ class RollingMap:
         """
 
     @property
+    def odometry_error(self) -> float:
+        """
+        share
+        """
+
+    @property
+    def own_body(self) -> lfdcore._core.geometry.Footprint | None:
+        """
+        Footprint or None
+        """
+
+    @property
     def radius(self) -> float:
+        """
+        [m]
+        """
+
+    @property
+    def range_noise(self) -> float:
         """
         [m]
         """

@@ -19,7 +19,7 @@ LaserScan ring(int step) {
 
 TEST(RollingMap, inserts_scans_on_a_drive_without_allocating_once_its_buffers_have_grown) {
   if (!test::counts_allocations) GTEST_SKIP() << "nothing counts allocations in this build";
-  RollingMap map(2.0, 4.0);
+  RollingMap map({.duration = 2.0, .radius = 4.0});
   long allocations = 0;
   for (int step = 0; step < 200; ++step) {
     const LaserScan scan = ring(step);

@@ -1,0 +1,101 @@
+// Points on the surfaces that a LIDAR hits again and again: each hit improves the mean of the point that it agrees
+// with.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace lfdcore {
+
+/// Scans are counted from 1; 0 is never.
+using ScanNumber = std::uint32_t;
+
+/// A beam's end: where, the beam's direction (unit length), when.
+struct BeamHit {
+  double x, y, dx, dy;  // [m]
+  double stamp;         // [s]
+  ScanNumber scan;
+};
+
+/// The mean of the hits that agreed with one another.
+struct FusedPoint {
+  double x, y;              ///< [m]
+  double dx, dy;            ///< direction of the last beam that hit it
+  double mean_dx, mean_dy;  ///< mean direction of the beams that hit it
+  double drift = 0;         ///< low-passed excess of the last ranges over the mean's [m]
+  double since;             ///< stamp of the hit that it began with, or last moved with [s]
+  double seen;              ///< stamp of the last hit [s]
+  ScanNumber scan;          ///< of the last hit
+  std::int32_t hits = 1;    ///< in the mean, at most most_hits
+  std::int32_t misses = 0;
+  bool young = false;      ///< stands where space had just been seen empty (see RollingMap)
+  std::int32_t next = -1;  ///< in its bucket
+};
+
+/// Fused points with an index by place. A hit agrees with a point that it lies beside by at most `across`, nearer or
+/// farther along the beam by at most 4 standard errors of their difference, and that was last seen from within 41
+/// degrees of the same direction, so that the two faces of a board stay two. It goes to the one that it agrees with
+/// best, and moves it to the mean of at most the last 100 hits or so; one that agrees with none is a new point, unless
+/// it lies up to 8 standard errors behind a point of 3 hits or more: it is noise, or that point is about to be dropped.
+/// A point whose recent ranges all lie to one side (their low-pass beyond 2 standard deviations) has moved: it goes
+/// there, as a mean of 5 hits.
+class FusedPoints {
+ public:
+  static constexpr double across = 0.015;  ///< [m]
+  static constexpr std::int32_t most_hits = 100, doubtful_hits = 2;
+  static constexpr double bucket = 0.1;  ///< side [m] of a bucket
+
+  struct Fused {
+    FusedPoint* point;  ///< null: the hit was no point
+    bool fresh;         ///< new there, or moved
+  };
+
+  /// noise: sd of a range [m]; side: of the square that all points lie in, in buckets, a power of two.
+  FusedPoints(double noise, int side);
+
+  Fused fuse(const BeamHit& hit);
+
+  /// Standard error [m] of a mean of so many hits, by how much a range may differ from it: sd sqrt(1 + 1 / hits).
+  double innovation(const FusedPoint& point) const { return noise_ * std::sqrt(1 + 1.0 / point.hits); }
+  /// Standard error of the point along its beam [m].
+  double standard_error(const FusedPoint& point) const { return noise_ / std::sqrt(point.hits); }
+
+  /// True if a point that has stood for `age` [s], is not young and was not missed lies within `distance` [m].
+  bool settled_near(double x, double y, double distance, double age) const;
+
+  /// Forgets the points for which `stale(point)` holds; it may change them, but not move them.
+  template <class Stale>
+  void drop_if(Stale stale) {
+    for (std::size_t i = 0; i < points_.size();)
+      if (stale(points_[i]))
+        drop(static_cast<std::int32_t>(i));
+      else
+        ++i;
+  }
+  void clear();
+
+  const std::vector<FusedPoint>& points() const { return points_; }
+
+ private:
+  std::int32_t& first_in_bucket(double x, double y);
+  template <class Visit>
+  void visit_box(double x, double y, double half_x, double half_y, Visit visit) const;
+  struct Match {
+    std::int32_t index = -1;  // of the point that the hit agrees with best
+    bool behind = false;      // it lies behind one
+  };
+  Match match(const BeamHit& hit) const;
+  void average(FusedPoint& point, const BeamHit& hit);
+  bool follow_drift(FusedPoint& point, const BeamHit& hit);
+  void link(std::int32_t index);
+  void unlink(std::int32_t index);
+  void drop(std::int32_t index);
+
+  double noise_;
+  int side_;
+  std::vector<std::int32_t> buckets_;  // a torus of the first point in each
+  std::vector<FusedPoint> points_;
+};
+
+}  // namespace lfdcore
