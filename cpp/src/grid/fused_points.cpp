@@ -12,8 +12,6 @@ constexpr double drift_gain = 0.3;  // of the low-pass, worth a mean of (2 - 0.3
 constexpr double moved_beyond = 2;  // [sd of a range], 4.8 sd of the low-pass
 constexpr std::int32_t moved_hits = 5;
 
-std::int64_t bucket_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / FusedPoints::bucket)); }
-
 }  // namespace
 
 FusedPoints::FusedPoints(double noise, int side)
@@ -51,15 +49,6 @@ void FusedPoints::drop(std::int32_t index) {
     link(index);
   }
   points_.pop_back();
-}
-
-template <class Visit>
-void FusedPoints::visit_box(double x, double y, double half_x, double half_y, Visit visit) const {
-  const std::int64_t right = bucket_of(x + half_x), top = bucket_of(y + half_y);
-  for (std::int64_t iy = bucket_of(y - half_y); iy <= top; ++iy)
-    for (std::int64_t ix = bucket_of(x - half_x); ix <= right; ++ix)
-      for (std::int32_t i = buckets_[(iy & (side_ - 1)) * side_ + (ix & (side_ - 1))]; i >= 0; i = points_[i].next)
-        visit(i);
 }
 
 FusedPoints::Match FusedPoints::match(const BeamHit& hit) const {
@@ -123,16 +112,6 @@ bool FusedPoints::follow_drift(FusedPoint& point, const BeamHit& hit) {
   point.hits = moved_hits;
   point.since = hit.stamp;
   return true;
-}
-
-bool FusedPoints::settled_near(double x, double y, double distance, double age) const {
-  bool found = false;
-  visit_box(x, y, distance, distance, [&](std::int32_t i) {
-    const FusedPoint& point = points_[i];
-    found = found || (!point.young && point.misses == 0 && point.seen - point.since >= age &&
-                      std::hypot(point.x - x, point.y - y) <= distance);
-  });
-  return found;
 }
 
 }  // namespace lfdcore

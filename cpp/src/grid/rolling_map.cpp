@@ -21,11 +21,12 @@ constexpr double passing_slope = 15;
 constexpr double passing_gap = 0.03;        // [m]
 constexpr std::int32_t misses_to_drop = 3;  // scans, at most; a doubtful point goes at the first
 
-constexpr double recent = 3;               // [s] how long before a person stepped in the space was seen empty
-constexpr double settling = 3;             // [s] of hits, after which it is as good as furniture
-constexpr double fading = 3;               // [s] after which it is forgotten, unless it has settled
-constexpr double settled_distance = 0.06;  // [m] beside a settled point nothing is young ...
-constexpr double settled_age = 1;          // [s] ... if it has stood there for this long
+constexpr double recent = 3;           // [s] how long before a person stepped in the space was seen empty
+constexpr double settling = 3;         // [s] of hits, after which it is as good as furniture
+constexpr double fading = 3;           // [s] after which it is forgotten, unless it has settled
+constexpr double kin_distance = 0.06;  // [m] a point is of the same thing as another so near ...
+constexpr double settled_age = 1;      // [s] ... not young, if that has stood there for so long ...
+constexpr double kin_age = 0.5;        // [s] ... else young, if that is and was hit so recently
 
 constexpr double own_depth = 0.03;      // [m] inside the outline
 constexpr double sure_errors = 3;       // [sd of a range] before its end, a beam has surely passed
@@ -140,11 +141,18 @@ void RollingMap::add_hits(const Pose2& T_odom_laser) {
     const auto [point, fresh] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_});
     if (point == nullptr) continue;
     if (fresh)
-      point->young = cells_.clear_around(point->x, point->y, recent_scan_) &&
-                     !points_.settled_near(point->x, point->y, settled_distance, settled_age);
+      point->young = point->young || is_young(*point);
     else if (point->young && stamp - point->since >= settling)
       point->young = false;
   }
+}
+
+bool RollingMap::is_young(const FusedPoint& point) const {
+  const auto near = [&](auto is) { return points_.any_near(point.x, point.y, kin_distance, is); };
+  if (near([](const FusedPoint& p) { return !p.young && p.misses == 0 && p.seen - p.since >= settled_age; }))
+    return false;
+  return cells_.clear_around(point.x, point.y, recent_scan_) ||
+         near([&](const FusedPoint& p) { return p.young && point.seen - p.seen <= kin_age; });
 }
 
 void RollingMap::mark_free(const Pose2& T_odom_laser) {

@@ -141,11 +141,13 @@ class SlowMap:
         elif not self.average(best, end, direction, now):
             best.young &= stamp - best.since < 3.0
             return
-        settled = any(
-            not p.young and p.misses == 0 and p.seen - p.since >= 1.0 and np.hypot(*(p.place - best.place)) <= 0.06
-            for p in self.points
-        )
-        best.young = not settled and self.cells.clear_around(best.place, since)
+        best.young = best.young or self.is_young(best, since)
+
+    def is_young(self, point: SlowPoint, since: int) -> bool:
+        near = [p for p in self.points if np.hypot(*(p.place - point.place)) <= 0.06]
+        if any(not p.young and p.misses == 0 and p.seen - p.since >= 1.0 for p in near):
+            return False
+        return self.cells.clear_around(point.place, since) or any(p.young and point.seen - p.seen <= 0.5 for p in near)
 
     def average(self, p: SlowPoint, end: Array, direction: Array, now: int) -> bool:
         """-> whether it has moved."""

@@ -61,8 +61,16 @@ class FusedPoints {
   /// Standard error of the point along its beam [m].
   double standard_error(const FusedPoint& point) const { return noise_ / std::sqrt(point.hits); }
 
-  /// True if a point that has stood for `age` [s], is not young and was not missed lies within `distance` [m].
-  bool settled_near(double x, double y, double distance, double age) const;
+  /// True if `is(point)` for a point within `distance` [m] of a place.
+  template <class Is>
+  bool any_near(double x, double y, double distance, Is is) const {
+    bool found = false;
+    visit_box(x, y, distance, distance, [&](std::int32_t i) {
+      const FusedPoint& point = points_[i];
+      found = found || (std::hypot(point.x - x, point.y - y) <= distance && is(point));
+    });
+    return found;
+  }
 
   /// Forgets the points for which `stale(point)` holds; it may change them, but not move them.
   template <class Stale>
@@ -78,9 +86,17 @@ class FusedPoints {
   const std::vector<FusedPoint>& points() const { return points_; }
 
  private:
+  static std::int64_t bucket_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / bucket)); }
   std::int32_t& first_in_bucket(double x, double y);
+  // All points in the buckets that the box covers, and maybe some of others.
   template <class Visit>
-  void visit_box(double x, double y, double half_x, double half_y, Visit visit) const;
+  void visit_box(double x, double y, double half_x, double half_y, Visit visit) const {
+    const std::int64_t right = bucket_of(x + half_x), top = bucket_of(y + half_y);
+    for (std::int64_t iy = bucket_of(y - half_y); iy <= top; ++iy)
+      for (std::int64_t ix = bucket_of(x - half_x); ix <= right; ++ix)
+        for (std::int32_t i = buckets_[(iy & (side_ - 1)) * side_ + (ix & (side_ - 1))]; i >= 0; i = points_[i].next)
+          visit(i);
+  }
   struct Match {
     std::int32_t index = -1;  // of the point that the hit agrees with best
     bool behind = false;      // it lies behind one

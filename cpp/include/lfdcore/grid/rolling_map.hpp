@@ -99,6 +99,7 @@ class RollingMap {
   void read_rays(const LaserScan& scan, const Pose2& T_base_laser, double yaw);
   bool own(const Pose2& T_base_laser, double angle, double length) const;
   void add_hits(const Pose2& T_odom_laser);
+  bool is_young(const FusedPoint& point) const;
   void mark_free(const Pose2& T_odom_laser);
   void drop_stale(const LaserScan& scan, const Pose2& T_odom_laser);
   bool seen_through(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) const;
