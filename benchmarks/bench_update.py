@@ -32,8 +32,10 @@ from lfdcore.wheelchair import assistants, drivable_path
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps import planner as heatmap_planner
 from lfdcore.wheelchair.models import load_model
-from lfdcore.wheelchair.observation import Observation, observations
+from lfdcore.wheelchair.observation import ChairGeometry, Observation, observations
 from lfdcore.wheelchair.primitives import planner as primitives_planner
+
+CHAIR = ChairGeometry.thesis()
 
 CLOCKS = {"wall": time.perf_counter, "CPU": time.thread_time}
 """CPU time tells what a quiet machine would show where this one is not."""
@@ -128,11 +130,11 @@ def lived(model: Path, folder: Path, updates: int) -> tuple[list[Observation], N
     course, path = office(), folder / "drive.mcap"
     config = RunConfig(slowest=course.length / (updates / 10))
     driver = ImpairedDriver(course, population(1, 1)[0])
-    trace = run_drive(course, driver, DriveAssistant(load_model(model).planner()), 1, config, path)
+    trace = run_drive(course, driver, DriveAssistant(load_model(model).planner(CHAIR)), 1, config, path)
     log = open_log(path)
     of_trace, of_log = trace.nbytes / len(trace.stamp), path.stat().st_size / len(log.scan_stamp)
     size = f"a tick takes {of_trace:.0f} B of a study's trace, {of_log:.0f} B of a drive log"
-    seen, assistant = list(observations(log))[:updates], DriveAssistant(load_model(model).planner())
+    seen, assistant = list(observations(log))[:updates], DriveAssistant(load_model(model).planner(CHAIR))
     commands = np.array([[*assistant.update(observation).command] for observation in seen])
     return seen, commands, size
 
@@ -196,7 +198,7 @@ def briefly_trained(folder: Path) -> Path:
 def measure(method: str, file: Path, updates: int, runs: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         seen, commands, size = lived(file, Path(folder), updates)
-    fresh = [DriveAssistant(load_model(file).planner()) for _ in range(2)]
+    fresh = [DriveAssistant(load_model(file).planner(CHAIR)) for _ in range(2)]
     replay(fresh[0], seen, commands)  # warms up
     before = resident()
     done = [replay(fresh[0], seen, commands) for _ in range(runs)]

@@ -11,6 +11,7 @@ from lfdcore.simulated.courses import home
 from lfdcore.simulated.drivers import ExpertDriver
 from lfdcore.simulated.run import run_drive
 from lfdcore.wheelchair.assistants import Unassisted
+from lfdcore.wheelchair.observation import ChairGeometry
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
@@ -18,6 +19,7 @@ SUFFIXES = {".cpp", ".hpp", ".py", ".pyi", ".md"}
 SOURCES = sorted(
     p for folder in ("cpp", "python", "tests", "docs") for p in (ROOT / folder).rglob("*") if p.suffix in SUFFIXES
 )
+CHAIR = ChairGeometry.thesis()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -63,7 +65,7 @@ def test_every_erratum_and_choice_that_sources_cite_is_explained() -> None:
 def test_the_code_of_bring_your_own_log_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     course = home(2)
-    run_drive(course, ExpertDriver(course), Unassisted(), seed=1, log_path=tmp_path / "drive.mcap")
+    run_drive(course, ExpertDriver(course), Unassisted(CHAIR), seed=1, log_path=tmp_path / "drive.mcap")
     text = (ROOT / "docs" / "bring-your-own-log.md").read_text()
     code = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)[0]
     opened = 'open_log("drive.bag", scan="/front/scan", T_base_laser=Pose2(0.7, 0, 0))'

@@ -27,11 +27,11 @@ void bind_dynamic_window(py::module_& m) {
       .def_readonly("cost", &DynamicWindowResult::cost, "distance [m] of end_point to the goal; inf if not feasible");
   m.def("solve_dynamic_window", &solve_dynamic_window, py::arg("current"), py::arg("goal"), py::arg("obstacles"),
         py::arg("footprint") = Footprint{}, py::arg("limits") = MotionLimits{},
-        py::arg("config") = DynamicWindowConfig{}, without_gil(),
+        py::arg("config") = DynamicWindowConfig{}, py::arg("wanted") = Twist2{}, without_gil(),
         "Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from "
         "`current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the "
-        "footprint touching `obstacles` at any step; all in base_link. If all collide it brakes at the limit "
-        "(feasible = False).\n\nRaises ValueError for a non-finite twist or goal.");
+        "footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot "
+        "do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).\n\nRaises ValueError for a non-finite twist or goal.");
 }
 
 }  // namespace lfdcore

@@ -78,6 +78,10 @@ void bind_footprint(py::module_& m) {
             return points;
           },
           "(4, 2) [m] in base_link, anticlockwise from the front left.")
+      .def("__eq__",
+           [](const Footprint& a, const Footprint& b) {
+             return a.front == b.front && a.rear == b.rear && a.half_width == b.half_width;
+           })
       .def("__repr__", [](const Footprint& f) { return describe("Footprint", f.front, f.rear, f.half_width); })
       .def(py::pickle(
           [](const Footprint& f) { return py::make_tuple(f.front, f.rear, f.half_width); },

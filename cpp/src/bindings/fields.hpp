@@ -72,8 +72,26 @@ auto pickled_by_name(Field<Struct, Values>... fields) {
       });
 }
 
+/// Equal where all fields are; printed as the call that makes it.
+template <class Struct, class... Values>
+void bind_value(py::class_<Struct>& type, Field<Struct, Values>... fields) {
+  const auto values = [fields...](const Struct& self) {
+    return py::make_tuple(py::cast(Seen<Values>::to_python(self.*fields.member))...);
+  };
+  type.def(
+      "__eq__", [values](const Struct& a, const Struct& b) { return values(a).equal(values(b)); }, py::is_operator());
+  type.def("__hash__", [values](const Struct& self) { return py::hash(values(self)); });
+  type.def("__repr__", [fields...](const py::object& self) {
+    std::string said;
+    ((said += std::string(said.empty() ? "" : ", ") + fields.name + "=" +
+              py::repr(self.attr(fields.name)).template cast<std::string>()),
+     ...);
+    return py::type::of(self).attr("__name__").template cast<std::string>() + "(" + said + ")";
+  });
+}
+
 /// Binds a struct of settings: keywords with the struct's own defaults, checked by validate(); attributes that cannot
-/// be set; pickle by name.
+/// be set; equal where all fields are; pickle by name.
 template <class Struct, class... Values>
 void bind_settings(py::module_& m, const char* name, const char* doc, Field<Struct, Values>... fields) {
   const Struct defaults{};
@@ -91,6 +109,7 @@ void bind_settings(py::module_& m, const char* name, const char* doc, Field<Stru
     type.def_property_readonly(field.name, get, field.doc);
   };
   (bind_attribute(fields), ...);
+  bind_value(type, fields...);
   type.def(pickled_by_name(fields...));
 }
 

@@ -1,7 +1,9 @@
 #include "lfdcore/control/dynamic_window.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "lfdcore/control/near_points.hpp"
@@ -10,12 +12,15 @@
 namespace lfdcore {
 namespace {
 
+constexpr double same_cost = 1e-9;  // [m]: all turns on the spot cost the same but for rounding
+
 struct Candidate {
-  double cost = 0;
+  double cost = 0;      // in whole steps of same_cost
+  double distance = 0;  // from the wanted twist
   int index = 0;
-  // For a heap whose top is the cheapest; ties go to the lower index.
+  // For a heap whose top is the cheapest; ties go to the twist nearer to the wanted one.
   bool operator<(const Candidate& other) const {
-    return cost > other.cost || (cost == other.cost && index > other.index);
+    return std::tie(cost, distance, index) > std::tie(other.cost, other.distance, other.index);
   }
 };
 
@@ -65,14 +70,16 @@ double farthest_reach(const Window& window, const Footprint& footprint, double h
 }
 
 void rank_candidates(std::vector<Candidate>& heap, const Window& window, const Eigen::Vector2d& goal,
-                     const DynamicWindowConfig& config) {
+                     const Twist2& wanted, const DynamicWindowConfig& config) {
   heap.resize(static_cast<std::size_t>(config.linear_samples) * config.angular_samples);
   for (int j = 0; j < config.angular_samples; ++j) {
     // All speeds of one turning rate end on one ray.
     const Eigen::Vector2d end_at_1 = end_of({1, twist_at(window, j, config).angular}, config.horizon);
     for (int i = 0; i < config.linear_samples; ++i) {
       const int index = i * config.angular_samples + j;
-      heap[index] = {(twist_at(window, index, config).linear * end_at_1 - goal).norm(), index};
+      const Twist2 twist = twist_at(window, index, config);
+      const double cost = std::round((twist.linear * end_at_1 - goal).norm() / same_cost);
+      heap[index] = {cost, std::hypot(twist.linear - wanted.linear, twist.angular - wanted.angular), index};
     }
   }
   std::make_heap(heap.begin(), heap.end());
@@ -96,7 +103,8 @@ void validate(const DynamicWindowConfig& config) {
 
 DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vector2d& goal,
                                          const ObstaclePoints& obstacles, const Footprint& footprint,
-                                         const MotionLimits& limits, const DynamicWindowConfig& config) {
+                                         const MotionLimits& limits, const DynamicWindowConfig& config,
+                                         const Twist2& wanted) {
   require_bounded(footprint);
   validate(config);
   validate(limits);
@@ -104,12 +112,14 @@ DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vec
   require_finite("current angular", current.angular, "rad/s");
   require_finite("goal x", goal.x(), "m");
   require_finite("goal y", goal.y(), "m");
+  require_finite("wanted linear", wanted.linear, "m/s");
+  require_finite("wanted angular", wanted.angular, "rad/s");
 
   thread_local NearPoints points;
   thread_local std::vector<Candidate> heap;
   const Window window = reachable_window(current, limits, config.period);
   points.gather(obstacles, farthest_reach(window, footprint, config.horizon));
-  rank_candidates(heap, window, goal, config);
+  rank_candidates(heap, window, goal, wanted, config);
 
   // Alg. 8 keeps the cheapest of all twists. Taken cheapest first, the first that does not collide is that one.
   for (auto last = heap.end(); last != heap.begin(); --last) {
@@ -117,7 +127,8 @@ DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vec
     const Candidate best = *(last - 1);
     const Twist2 twist = twist_at(window, best.index, config);
     if (!collides(points, footprint, twist, config)) {
-      return {twist, true, end_of(twist, config.horizon), best.cost};
+      const Eigen::Vector2d end = end_of(twist, config.horizon);
+      return {twist, true, end, (end - goal).norm()};
     }
   }
   return braking(current, limits, config);

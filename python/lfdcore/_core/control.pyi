@@ -59,6 +59,7 @@ class DynamicWindowConfig:
     Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period [s] that sets the window.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -68,6 +69,7 @@ class DynamicWindowConfig:
         step: float = 0.1,
         period: float = 0.1,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def angular_samples(self) -> int: ...
     @property
@@ -124,9 +126,11 @@ class FootprintRolloutConfig:
     How a path's pursuit is rolled out.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self, *, look_ahead: float = 0.8, linear: float = 0.5, duration: float = 8.0, step: float = 0.1
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def duration(self) -> float:
         """
@@ -185,6 +189,7 @@ class SupervisorConfig:
     How far ahead the supervisor looks and how near it lets the chair come.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -194,16 +199,18 @@ class SupervisorConfig:
         least_margin: float = 0.015,
         margin_linear: float = 0.5,
         margin_angular: float = 1.0,
+        passing_margin: float = 0.005,
         dynamics_error: float = 0.2,
         speed_error: float = 0.05,
         obstacle_speed: float = 0.0,
         creep_linear: float = 0.1,
         creep_reverse: float = 0.15,
         creep_angular: float = 0.2,
-        least_scale: float = 0.25,
+        least_scale: float = 0.75,
         linear_samples: int = 9,
         angular_samples: int = 17,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def angular_samples(self) -> int:
         """
@@ -213,19 +220,19 @@ class SupervisorConfig:
     @property
     def creep_angular(self) -> float:
         """
-        [rad/s] the same turning
+        [rad/s] ... and turning; so, unseen space may be entered
         """
 
     @property
     def creep_linear(self) -> float:
         """
-        [m/s] ahead, up to which unseen space may be entered
+        [m/s] creeping: ahead at most this fast
         """
 
     @property
     def creep_reverse(self) -> float:
         """
-        [m/s] the same backwards
+        [m/s] ... backwards
         """
 
     @property
@@ -280,6 +287,12 @@ class SupervisorConfig:
     def obstacle_speed(self) -> float:
         """
         [m/s] at which points may come nearer
+        """
+
+    @property
+    def passing_margin(self) -> float:
+        """
+        [m] beside the way of a chair that creeps straight on
         """
 
     @property
@@ -424,9 +437,10 @@ def solve_dynamic_window(
     footprint: lfdcore._core.geometry.Footprint = ...,
     limits: lfdcore._core.geometry.MotionLimits = ...,
     config: DynamicWindowConfig = ...,
+    wanted: lfdcore._core.geometry.Twist2 = ...,
 ) -> DynamicWindowResult:
     """
-    Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from `current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the footprint touching `obstacles` at any step; all in base_link. If all collide it brakes at the limit (feasible = False).
+    Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from `current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).
 
     Raises ValueError for a non-finite twist or goal.
     """

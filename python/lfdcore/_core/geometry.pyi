@@ -149,6 +149,7 @@ class MotionLimits:
     Speeds [m/s, rad/s] and accelerations [m/s^2, rad/s^2] of the chair, all positive.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -159,6 +160,7 @@ class MotionLimits:
         linear_braking: float = 1.5,
         angular_acceleration: float = 2.5,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def angular_acceleration(self) -> float:
         """

@@ -132,6 +132,7 @@ class InverseKinematicsConfig:
     Settings of the inverse kinematics.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -142,6 +143,7 @@ class InverseKinematicsConfig:
         postures: int = 4096,
         damping: float = 0.01,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def damping(self) -> float:
         """
@@ -270,6 +272,7 @@ class FollowConfig:
     Settings of follow_poses.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -283,6 +286,7 @@ class FollowConfig:
         smoothing: float = 0.2,
         starts: int = 8,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def avoidance(self) -> float:
         """

@@ -66,6 +66,7 @@ class RewardConfig:
     Rewards of Sec. 3.5: obstacle and border (the outermost ring of cells), spread by a Gaussian of blur_sigma [cells] cut off at 4 sigma; path_first .. path_last linearly along the path.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -75,6 +76,7 @@ class RewardConfig:
         path_first: float = 10.0,
         path_last: float = 100.0,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def blur_sigma(self) -> float:
         """
@@ -95,9 +97,11 @@ class DppConfig:
     discount gamma in (0, 1); inverse_temperature eta [1/reward] > 0; sweeps 1..100 000 (Sec. 3.5 prints K = 100, which is 99 sweeps: ERRATA 16); blocked: moves into blocked cells do not exist, else the mask is ignored and obstacles are soft (ERRATA 20).
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self, *, discount: float = 0.99, inverse_temperature: float = 0.001, sweeps: int = 300, blocked: bool = True
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def blocked(self) -> bool: ...
     @property
@@ -221,6 +225,7 @@ class HybridAstarConfig:
     Settings of the hybrid A* search. Costs are lengths [m]: what one would rather drive than suffer the thing once, or per unit of it.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -239,6 +244,7 @@ class HybridAstarConfig:
         comfort: float = 0.3,
         eagerness: float = 2.0,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def allow_reverse(self) -> bool:
         """
@@ -382,7 +388,9 @@ class HeatmapRewardConfig:
     Rewards of Sec. 4.5 of blocked cells (obstacle) and of the outermost ring (border).
     """
 
+    def __hash__(self) -> int: ...
     def __init__(self, *, obstacle: float = -100.0, border: float = -100.0) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def border(self) -> float: ...
     @property
@@ -393,6 +401,7 @@ class QLearningConfig:
     learning_rate alpha in (0, 1]; discount gamma in (0, 1), .9 in Sec. 4.5, which sees some 10 cells (ERRATA 31, F9); sweeps 1..100 000 (the printed K = 100 is 99: ERRATA 16); initial_value Q_0 [reward]; blocked: moves into blocked cells do not exist, else the mask is ignored and obstacles are soft (as printed; ERRATA 20).
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -402,6 +411,7 @@ class QLearningConfig:
         initial_value: float = -100.0,
         blocked: bool = True,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def blocked(self) -> bool: ...
     @property

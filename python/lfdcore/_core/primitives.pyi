@@ -114,6 +114,7 @@ class PhaseEstimatorConfig:
     How PhaseEstimator reads phase and tempo. ValueError names a field.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -122,6 +123,7 @@ class PhaseEstimatorConfig:
         rest_share: float = 0.05,
         pause_rate: float = 0.15,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def pause_rate(self) -> float:
         """
@@ -239,6 +241,7 @@ class SequenceConfig:
     Transition probabilities (a sample's) and densities of SequenceHmm; none is learned. ValueError names a field.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -253,6 +256,7 @@ class SequenceConfig:
         widening: float = 1.5,
         least_deviation: float = 0.02,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def abandon(self) -> float:
         """
@@ -436,6 +440,7 @@ class DmpConfig:
     The constants of 5.1 and 5.2 (ERRATA F13): basis_functions M, stiffness alpha_y, damping beta_y (critical at alpha_y / 4), phase_decay alpha_x. ValueError unless 2 <= M <= 1000, 0 < alpha_y, beta_y <= 1e4, 0 < alpha_x <= 100.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -444,6 +449,7 @@ class DmpConfig:
         damping: float = 6.25,
         phase_decay: float = 4.605170185988092,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def basis_functions(self) -> int: ...
     @property
@@ -605,6 +611,7 @@ class InteractionPrimitiveConfig:
     observe: what enters the likelihood, and by what demonstrations are fitted: 'forcing' (5.11) or 'positions', which needs no derivatives. noise: sigma^2, a variance in the unit of what is observed (ERRATA 41), by default the partner's squared residual after the fit, pooled over samples, dimensions and demonstrations (ERRATA F13). environment_noise: sigma_e^2 of the standardised environment. printed_environment_weights: the environment as w_e theta as printed after 5.16, instead of jointly Gaussian with theta (ERRATA 42). ValueError unless the variances are > 0.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -614,6 +621,7 @@ class InteractionPrimitiveConfig:
         environment_noise: float = 0.001,
         printed_environment_weights: bool = False,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def dmp(self) -> DmpConfig: ...
     @property

@@ -27,6 +27,7 @@ class ContactConfig:
     How the body behaves where it touches: friction (Coulomb's coefficient), skid_resistance (how much harder than rolling it is to push the wheels sideways, a ratio of masses), skid_time [s] in which they grip again, gyration_radius [m]; a contact lasts until the body has been clear of everything by release_gap [m] for release_time [s], so that chattering counts once.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -37,6 +38,7 @@ class ContactConfig:
         release_gap: float = 0.02,
         release_time: float = 0.5,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def friction(self) -> float:
         """
@@ -78,6 +80,7 @@ class ChairConfig:
     The simulated chair. linear_slip, angular_slip: share that the wheels turn too much, which the odometry believes; slip_sd: sd of a random share added to both, anew each control period; command_latency [s]: a command acts that long after it was given; sub_step [s]: the motors' own period. ValueError names a field out of range.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -90,6 +93,7 @@ class ChairConfig:
         command_latency: float = 0.0,
         sub_step: float = 0.02,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def angular_slip(self) -> float:
         """
@@ -131,6 +135,7 @@ class LidarConfig:
     The simulated LIDAR: number of beams over field_of_view [rad] (first to last, symmetric about ahead), range_max and noise_sd [m], T_base_laser. Default: 181 beams over 180 degrees, 0.70 m before the axle (Sec. 3.2). ValueError names a field out of range.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self,
         *,
@@ -140,6 +145,7 @@ class LidarConfig:
         noise_sd: float = 0.01,
         T_base_laser: lfdcore._core.geometry.Pose2 = ...,
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def T_base_laser(self) -> lfdcore._core.geometry.Pose2: ...
     @property
@@ -255,9 +261,11 @@ class Person:
     A whole person at the scanner's height as one disc: body, both legs and the room of a stride. Walks on at its velocity. ValueError names a field out of range: position within 1e6 m, at most 10 m/s along each axis, 0 < radius <= 5 m.
     """
 
+    def __hash__(self) -> int: ...
     def __init__(
         self, *, position: numpy.typing.ArrayLike = ..., velocity: numpy.typing.ArrayLike = ..., radius: float = 0.25
     ) -> None: ...
+    def __repr__(self) -> str: ...
     @property
     def position(self) -> numpy.typing.NDArray[numpy.float64]:
         """

@@ -160,7 +160,7 @@ class HeatMoment:
 def heat_moment(model: HeatmapModel, log: DriveLog, config: HeatmapPlannerConfig | None = None) -> HeatMoment | None:
     """The scan, of one a second, with a path on the grid after which the driver went farthest aside within 2.5 m; None
     without any."""
-    chair = ChairGeometry(T_base_laser=log.T_base_laser)
+    chair = ChairGeometry.thesis(log.T_base_laser)
     planner, around = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair), Surroundings(chair)
     best, aside, due = None, 0.0, -np.inf
     for now in observations(log):
@@ -229,7 +229,7 @@ def heatmap_figures(
 ) -> list[Picture]:
     """Fig. 4.6-4.12. demonstrations: what the model learned from, or some of it; drive: the log whose moment Fig.
     4.11-4.12 show; `origin` says in the captions where that is from. ValueError as heatmap_pairs."""
-    planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), ChairGeometry())
+    planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), ChairGeometry.thesis())
     template = MovementTemplate(MotionLimits())
     pictures = [_sensor_picture(model, demonstrations)]
     pictures.append(

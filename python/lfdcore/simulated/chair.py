@@ -3,18 +3,26 @@ drive loop."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfdcore.geometry import Twist2
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.grid import LaserScan
 from lfdcore.simulated.courses import Course
-from lfdcore.simulated.drivers import Driver
+from lfdcore.simulated.drivers import StickHolder
 from lfdcore.simulated.people import People
 from lfdcore.simulated.person_met import PersonMet, person_met
 from lfdcore.simulation import ChairConfig, ChairState, DrivingWorld, LidarConfig
-from lfdcore.wheelchair.observation import Observation
+from lfdcore.wheelchair.observation import PERIOD, ChairGeometry, Observation
+from lfdcore.wheelchair.watch import UNTIL_NEUTRAL
+
+LEAST_NOISE = 0.002
+"""[m] No scanner is declared to be better."""
+READING = 0.5
+"""[s] until a driver has read the display"""
 
 
 @dataclass(frozen=True)
@@ -35,24 +43,59 @@ class Truth:
     """how many contacts with people began in the step that led here"""
 
 
+def geometry_of(chair: ChairConfig, lidar: LidarConfig, scan_period: float) -> ChairGeometry:
+    """What an assistant knows of a simulated chair whose scanner scans every `scan_period` [s]: the truth."""
+    return ChairGeometry(
+        footprint=chair.footprint,
+        limits=chair.limits,
+        T_base_laser=lidar.T_base_laser,
+        latency=chair.command_latency,
+        scan_period=scan_period,
+        range_noise=max(lidar.noise_sd, LEAST_NOISE),
+        odometry_error=min(max(abs(chair.linear_slip), abs(chair.angular_slip)) + 3 * chair.slip_sd, 0.5),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScannerFaults:
+    """What a cheap scanner does beside its noise. ValueError names a field out of range."""
+
+    period: float = 0.0
+    """[s] between scans at the least; 0: one a tick"""
+    dropped: float = 0.0
+    """Share of the beams that measure nothing (NaN), drawn anew each scan"""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.period <= 10:
+            raise ValueError(f"period is {self.period} s, must lie in [0, 10]")
+        if not 0 <= self.dropped <= 1:
+            raise ValueError(f"dropped is {self.dropped}, must be a share in [0, 1]")
+
+
 class SimulatedChair:
     """Stands at the course's start when it is made. The same seed gives the same scans, slip and driver.
 
-    people: who walks there, as yet without a step. The scans show them; neither they nor the driver, who knows nothing
-    of them, give way, and the chair is not stopped by them. Contacts with them are counted apart from the map's.
+    period: between the loop's ticks [s]. people: who walks there, as yet without a step. The scans show them; neither
+    they nor the driver, who knows nothing of them, give way, and the chair is not stopped by them. Contacts with them
+    are counted apart from the map's.
     """
 
     def __init__(
         self,
         course: Course,
-        driver: Driver,
+        driver: StickHolder,
         seed: int,
         chair: ChairConfig,
         lidar: LidarConfig,
         people: People | None = None,
+        scanner: ScannerFaults | None = None,
+        period: float = PERIOD,
     ) -> None:
+        self._faults = scanner or ScannerFaults()
+        self.geometry = geometry_of(chair, lidar, max(period, self._faults.period))
         self._world = DrivingWorld(course.grid, chair, lidar, seed)
         self._world.reset(course.start)
+        self._seed = seed
         self._driver = driver
         driver.reset(seed)
         self._people = people
@@ -60,17 +103,57 @@ class SimulatedChair:
             self._world.set_people(people.bodies())
         self._shown: list[tuple[float, list[bool]]] = []
         self._met_before = 0
-        self._collision, self._odometry_twist = False, Twist2()
+        self._collision, self._odometry_twist, self._command = False, Twist2(), Twist2()
+        self._stamp, self._holds = 0.0, math.inf
+        self._scans = 0
+        self._scan: tuple[float, LaserScan, Pose2] | None = None
+        self._centre_from = math.inf
         self.truth: Truth
         """of the latest observation"""
 
     def observe(self, stamp: float) -> Observation:
-        """What sensors and stick say at `stamp` [s]; the driver acts on what is true."""
-        scan, state = self._world.scan(), self._world.state
+        """What sensors and stick say at `stamp` [s], to which the world moves on; the driver acts on what is true."""
+        self._move_to(stamp)
+        scan_stamp, scan, scan_pose = self._newest_scan(stamp)
+        fresh = scan_stamp == stamp
+        state = self._world.state
         given = self._driver.act(stamp, state.pose, state.twist, state.in_contact)
         self.truth = Truth(state, given.desired, self._collision, *self._among_people())
         forward, left = (float(np.float32(axis)) for axis in given.joystick)  # as sensor_msgs/Joy
-        return Observation(stamp, scan, stamp, self._world.odometry, self._odometry_twist, (forward, left))
+        return Observation(
+            stamp=stamp,
+            scan=scan,
+            scan_stamp=scan_stamp,
+            scan_pose=None if fresh else scan_pose,
+            pose=self._world.odometry,
+            twist=self._odometry_twist,
+            odometry_stamp=stamp,
+            joystick=(0.0, 0.0) if stamp >= self._centre_from else (forward, left),
+            joystick_stamp=stamp,
+            command=self._command,
+        )
+
+    def show(self, mode: str, stamp: float) -> None:
+        """The display says the assistant's mode of the tick at `stamp` [s]. Where it asks for a stick at neutral, the
+        driver centres it after a moment."""
+        if mode not in UNTIL_NEUTRAL:
+            self._centre_from = math.inf
+        elif math.isinf(self._centre_from):
+            self._centre_from = stamp + READING
+
+    def _newest_scan(self, stamp: float) -> tuple[float, LaserScan, Pose2]:
+        if self._scan is None or stamp - self._scan[0] >= self._faults.period - 1e-9:
+            self._scan = (stamp, self._with_faults(self._world.scan()), self._world.odometry)
+        return self._scan
+
+    def _with_faults(self, scan: LaserScan) -> LaserScan:
+        self._scans += 1
+        if self._faults.dropped == 0:
+            return scan
+        ranges = np.array(scan.ranges)
+        random = np.random.default_rng([self._seed, self._scans, 0xD])
+        ranges[random.random(len(ranges)) < self._faults.dropped] = np.nan
+        return LaserScan(ranges.tolist(), scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
 
     def people_met(self) -> tuple[PersonMet, ...]:
         """The contacts with people since the start."""
@@ -86,11 +169,19 @@ class SimulatedChair:
         return where, self._world.touches_person, self._met_before - before
 
     def command(self, twist: Twist2, duration: float) -> None:
-        """Moves the world on by `duration` [s]."""
-        if self._people is not None:
-            self._world.set_people(self._people.walk(duration))
-        result = self._world.step(twist, duration)
-        self._collision, self._odometry_twist = result.collision_started, result.odometry_twist
+        """Drives `twist` [m/s, rad/s] from now on, for `duration` [s] at the longest."""
+        self._command, self._holds = twist, duration
 
     def stop(self) -> None:
-        """Nothing to do: the world moves only while it is commanded."""
+        """Nothing to do: the world moves only while it is observed."""
+
+    def _move_to(self, stamp: float) -> None:
+        passed = round(stamp - self._stamp, 9)  # so that a period is what it says, to the last bit
+        self._stamp, self._collision = stamp, False
+        if self._people is not None and passed > 0:
+            self._world.set_people(self._people.walk(passed))
+        for command, duration in ((self._command, min(passed, self._holds)), (Twist2(), passed - self._holds)):
+            if duration > 0:
+                result = self._world.step(command, duration)
+                self._collision |= result.collision_started
+                self._odometry_twist = result.odometry_twist

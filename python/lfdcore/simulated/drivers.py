@@ -11,7 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +35,16 @@ class DriverInput:
 
     joystick: FloatArray
     desired: FloatArray
+
+
+class StickHolder(Protocol):
+    """Whoever moves a stick. It sees the chair's true pose; never the assistant."""
+
+    def reset(self, seed: int) -> None:
+        """A new run."""
+
+    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
+        """The stick at `stamp` [s], for the chair's pose [map] and twist."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import numpy as np
 
 from lfdcore.datasets.drive_log import DriveLogWriter
 from lfdcore.datasets.safe_joystick import limits_note
-from lfdcore.simulated.chair import SimulatedChair, Truth
+from lfdcore.simulated.chair import ScannerFaults, SimulatedChair, Truth, geometry_of
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import Driver
 from lfdcore.simulated.people import People, PeopleConfig
@@ -33,6 +33,7 @@ class RunConfig:
 
     chair: ChairConfig = field(default_factory=ChairConfig)
     lidar: LidarConfig = field(default_factory=LidarConfig)
+    scanner: ScannerFaults = field(default_factory=ScannerFaults)
     period: float = PERIOD
     """[s] between ticks"""
     slowest: float = 0.12
@@ -47,9 +48,7 @@ class RunConfig:
     @property
     def geometry(self) -> ChairGeometry:
         """What an assistant knows of this chair."""
-        return ChairGeometry(
-            footprint=self.chair.footprint, limits=self.chair.limits, T_base_laser=self.lidar.T_base_laser
-        )
+        return geometry_of(self.chair, self.lidar, max(self.period, self.scanner.period))
 
 
 class _Progress:
@@ -90,7 +89,7 @@ def run_drive(
     config = config or RunConfig()
     start = (course.start.x, course.start.y)
     people = None if config.people is None else People(course.grid, config.people, start, seed)
-    chair = SimulatedChair(course, driver, seed, config.chair, config.lidar, people)
+    chair = SimulatedChair(course, driver, seed, config.chair, config.lidar, people, config.scanner, config.period)
     recorder, progress, outcome = TraceRecorder(course.start), _Progress(config, course.length), None
     about = {"driver": driver.name, "assistant": assistant.name, "seed": str(seed)}
     about |= {} if destination is None else {"destination": destination}
@@ -104,6 +103,7 @@ def run_drive(
             if log is not None:
                 _record_truth(log, tick, chair.truth, in_map=destination is not None)
             outcome = progress.outcome(tick.stamp, driver)
+            chair.show(tick.assistance.mode, tick.stamp)
             return outcome is not None
 
         drive(chair, assistant, ended, period=config.period, clock=SimulatedClock(), log=log)

@@ -60,8 +60,9 @@ def demonstration_paths(folder: Path) -> tuple[Path, ...]:
 
 
 def _demonstrated(course: Course, path: Path, seed: int) -> tuple[Path, DriveTrace]:
+    unassisted = Unassisted(RunConfig().geometry)
     for attempt in range(ATTEMPTS):
-        trace = run_drive(course, ExpertDriver(course), Unassisted(), seed + 1000 * attempt, log_path=path)
+        trace = run_drive(course, ExpertDriver(course), unassisted, seed + 1000 * attempt, log_path=path)
         if trace.completed and not trace.collision.any():
             return path, trace
     raise RuntimeError(

@@ -28,6 +28,7 @@ from lfdcore.wheelchair.heatmaps.joystick import (
 )
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.watch import HALTS
 
 Floats = NDArray[np.float64]
 _ALMOST_STILL = 0.05
@@ -112,13 +113,13 @@ class AdaptiveAssistant:
     def __init__(
         self,
         model: HeatmapModel,
-        chair: ChairGeometry | None = None,
+        chair: ChairGeometry,
         config: DriveAssistantConfig | None = None,
         adaptation: AdaptationConfig | None = None,
         name: str = "heatmaps_adaptive",
     ) -> None:
         self.name = name
-        self.chair = chair or ChairGeometry()
+        self.chair = chair
         self.adaptation = adaptation or AdaptationConfig()
         self.adapter = JoystickAdapter(model.joystick, self.adaptation.adapter)
         self.planner = model.planner(self.chair)
@@ -155,7 +156,7 @@ class AdaptiveAssistant:
         """As DriveAssistant; then learns from what is followed."""
         said = self._drive.update(observation)
         joystick = np.array(observation.joystick)
-        if said.mode not in ("rest", "stale"):
+        if said.mode not in ("rest", *HALTS):
             if self._followed(said):
                 self._judge(joystick, _stick_angle(said.command, self.chair.limits))
             self.planner.joystick = self._learn(joystick)

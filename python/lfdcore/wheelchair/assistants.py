@@ -6,6 +6,8 @@ those.
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -25,91 +27,153 @@ from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.pending import PendingCommands
 from lfdcore.wheelchair.planner import COMPLIANT_FROM, PlannedPath, Planner
 from lfdcore.wheelchair.stick import DEAD_ZONE
 from lfdcore.wheelchair.surroundings import MEMORY, Surroundings
+from lfdcore.wheelchair.watch import FAULT, Watch, WatchConfig
 
 STOP = Twist2(0.0, 0.0)
+PROJECTION = 1.0
+"""[s] "forward projecting the user's input by one second" for DWA (Sec. 3.5)"""
 
 
 class Assistant(Protocol):
     """What the chair asks for its next command."""
 
     name: str
+    chair: ChairGeometry
+    """Which chair it was made for"""
 
     def reset(self) -> None:
         """Forgets everything about the drive so far."""
 
     def update(self, observation: Observation) -> Assistance:
-        """The command for this tick."""
+        """The command for this tick. Whatever is observed, it raises nothing."""
 
 
 class Unassisted:
-    """The joystick drives the chair."""
+    """The joystick drives the chair. It needs no scanner: only a silent stick, or one that says nonsense, stops it."""
 
     name = "none"
 
-    def __init__(self, chair: ChairGeometry | None = None) -> None:
-        self.chair = chair or ChairGeometry()
+    def __init__(self, chair: ChairGeometry, watch: WatchConfig | None = None) -> None:
+        self.chair = chair
+        self._watch = Watch(chair, watch)
 
     def reset(self) -> None:
-        """Nothing to forget."""
+        """Forgets all stamps."""
+        self._watch.reset()
 
     def update(self, observation: Observation) -> Assistance:
-        """The joystick's twist."""
+        """The joystick's twist; a silent stick or numbers that are none: stop."""
+        halt = self._watch.judge_stick(observation)
+        if halt is not None:
+            return Assistance(STOP, halt)
         return Assistance(joystick_to_twist(*observation.joystick, self.chair.limits), "user")
 
 
-class Supervised:
+class SeeingAssistant(ABC):
+    """What every assistant that needs a scanner does at each tick: stop where its senses cannot be trusted (Watch),
+    remember what is around (Surroundings), decide, then be limited: by the watch, then by the supervisor if it has one.
+    """
+
+    name: str
+
+    def __init__(
+        self,
+        chair: ChairGeometry,
+        *,
+        supervisor: SupervisorConfig | None,
+        map_duration: float = MEMORY,
+        watch: WatchConfig | None = None,
+    ) -> None:
+        self.chair = chair
+        self._watch = Watch(chair, watch)
+        self._surroundings = Surroundings(chair, map_duration)
+        self._pending = PendingCommands(chair.latency)
+        self._supervisor = None if supervisor is None else Supervisor(chair.footprint, chair.limits, supervisor)
+
+    def reset(self) -> None:
+        """Forgets everything about the drive so far."""
+        self._watch.reset()
+        self._surroundings.clear()
+        self._pending.reset()
+        self._let_go(STOP)
+
+    def update(self, observation: Observation) -> Assistance:
+        """The command for this tick; what cannot be trusted is a mode in which it stops, never an exception."""
+        halt = self._watch.judge(observation)
+        said = self._drive(observation) if halt is None else self._halt(observation, halt)
+        self._pending.give(observation.stamp, said.command)
+        return said
+
+    def _halt(self, observation: Observation, mode: str) -> Assistance:
+        if mode == FAULT:  # where the chair is, or when, is no longer what they were made with
+            self._surroundings.clear()
+            self._pending.reset()
+        self._let_go(observation.twist)
+        return Assistance(STOP, mode)
+
+    def _drive(self, observation: Observation) -> Assistance:
+        obstacles = self._surroundings.see(observation)
+        said = self._decide(observation, obstacles)
+        limited = self._watch.limited(said.command, observation.stamp)
+        return self._supervised(replace(said, command=limited), observation, obstacles)
+
+    @abstractmethod
+    def _decide(self, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        """What the assistant would do, of itself."""
+
+    def _let_go(self, twist: Twist2) -> None:  # noqa: B027 - most have nothing to let go of
+        """The chair stops, from `twist`: a path that was followed ends."""
+
+    def _supervised(self, said: Assistance, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        if self._supervisor is None:
+            return said
+        allowed = self._supervisor.filter(
+            said.command,
+            self._watch.twist(observation),
+            obstacles,
+            pending=self._pending.at(observation.stamp),
+            unseen=self._surroundings.unseen(observation),
+        )
+        return replace(said, command=allowed.twist, supervised=allowed.changed)
+
+
+class Supervised(SeeingAssistant):
     """The joystick drives the chair as far as the supervisor lets it: what the supervisor does alone."""
 
     name = "supervisor"
 
-    def __init__(self, chair: ChairGeometry | None = None, map_duration: float = MEMORY) -> None:
-        self.chair = chair or ChairGeometry()
-        self._surroundings = Surroundings(self.chair, map_duration)
-        self._supervisor = Supervisor(self.chair.footprint, self.chair.limits)
+    def __init__(self, chair: ChairGeometry, map_duration: float = MEMORY, watch: WatchConfig | None = None) -> None:
+        super().__init__(chair, supervisor=SupervisorConfig(), map_duration=map_duration, watch=watch)
 
-    def reset(self) -> None:
-        """Forgets all scans."""
-        self._surroundings.clear()
-
-    def update(self, observation: Observation) -> Assistance:
-        """The admissible twist nearest to the joystick's; a stale scan: stop."""
-        if observation.stale:
-            return Assistance(STOP, "stale")
-        obstacles = self._surroundings.see(observation)
-        wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
-        allowed = self._supervisor.filter(wanted, observation.twist, obstacles)
-        return Assistance(allowed.twist, "user", supervised=allowed.changed)
+    def _decide(self, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        return Assistance(joystick_to_twist(*observation.joystick, self.chair.limits), "user")
 
 
-class DynamicWindowAssistant:
+class DynamicWindowAssistant(SeeingAssistant):
     """DWA towards the user's input projected ahead (Sec. 3.5, Alg. 8): the reactive baseline."""
 
     def __init__(
         self,
-        chair: ChairGeometry | None = None,
+        chair: ChairGeometry,
         config: DynamicWindowConfig | None = None,
-        projection: float = 1.0,
+        projection: float = PROJECTION,
         map_duration: float = MEMORY,
         name: str = "dwa",
+        watch: WatchConfig | None = None,
     ) -> None:
+        super().__init__(chair, supervisor=None, map_duration=map_duration, watch=watch)
         self.name = name
-        self.chair = chair or ChairGeometry()
         self.config = config or DynamicWindowConfig()
-        self.projection = projection  # [s]: "forward projecting the user's input by one second" (Sec. 3.5)
-        self._surroundings = Surroundings(self.chair, map_duration)
+        self.projection = projection
 
-    def reset(self) -> None:
-        """Forgets all scans."""
-        self._surroundings.clear()
-
-    def update(self, observation: Observation) -> Assistance:
-        """The twist whose end point comes nearest to the projected input; a stale scan: stop."""
-        if observation.stale:
-            return Assistance(STOP, "stale")
-        obstacles = self._surroundings.see(observation)
+    def _decide(self, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        """The twist whose end point comes nearest to the projected input; joystick at rest: stop."""
+        if math.hypot(*observation.joystick) < DEAD_ZONE:
+            return Assistance(STOP, "rest")
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
         goal = integrate(Pose2(), wanted, self.projection)
         found = solve_dynamic_window(
@@ -119,6 +183,7 @@ class DynamicWindowAssistant:
             self.chair.footprint,
             self.chair.limits,
             self.config,
+            wanted,
         )
         ahead = observation.pose * goal
         end = (float(found.end_point[0]), float(found.end_point[1]))
@@ -183,17 +248,22 @@ class _Smoother:
     """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant."""
 
     def __init__(self, time_constant: float) -> None:
-        self._share = 1.0 if time_constant <= 0 else 1.0 - np.exp(-PERIOD / time_constant)
+        self._time_constant = time_constant
         self._inner = self._outer = STOP
+        self._stamp: float | None = None
 
-    def restart(self, twist: Twist2) -> None:
-        """Goes on from what the chair is doing."""
+    def restart(self, twist: Twist2, stamp: float | None = None) -> None:
+        """Goes on from what the chair is doing, at `stamp` [s]."""
         self._inner = self._outer = twist
+        self._stamp = stamp
 
-    def filter(self, wanted: Twist2) -> Twist2:
-        """The smoothed twist; slowing down is never delayed."""
-        self._inner = _between(self._inner, wanted, self._share)
-        self._outer = _between(self._outer, self._inner, self._share)
+    def filter(self, wanted: Twist2, stamp: float) -> Twist2:
+        """The smoothed twist at `stamp` [s]; slowing down is never delayed."""
+        passed = PERIOD if self._stamp is None else stamp - self._stamp
+        share = 1.0 if self._time_constant <= 0 else 1.0 - math.exp(-passed / self._time_constant)
+        self._stamp = stamp
+        self._inner = _between(self._inner, wanted, share)
+        self._outer = _between(self._outer, self._inner, share)
         if self._outer.linear > wanted.linear:
             self._outer = Twist2(wanted.linear, self._outer.angular)
         return self._outer
@@ -239,59 +309,49 @@ class _Track:
     goal_odom: tuple[float, float]
 
 
-class DriveAssistant:
+class DriveAssistant(SeeingAssistant):
     """Drives the planner's chair along its paths: plan, track, let go at once when the driver disagrees (Sec. 3.4)."""
 
-    def __init__(self, planner: Planner, config: DriveAssistantConfig | None = None, name: str = "learned") -> None:
+    def __init__(
+        self,
+        planner: Planner,
+        config: DriveAssistantConfig | None = None,
+        name: str = "learned",
+        watch: WatchConfig | None = None,
+    ) -> None:
+        self.config = config or DriveAssistantConfig()
+        super().__init__(
+            planner.chair, supervisor=self.config.supervisor, map_duration=self.config.map_duration, watch=watch
+        )
         self.name = name
         self.planner = planner
-        self.chair = planner.chair
-        self.config = config or DriveAssistantConfig()
-        self._surroundings = Surroundings(self.chair, self.config.map_duration)
-        self._supervisor = (
-            None
-            if self.config.supervisor is None
-            else Supervisor(self.chair.footprint, self.chair.limits, self.config.supervisor)
-        )
         self._smoother = _Smoother(self.config.smoothing)
         self._held_turn = _HeldTurn()
         self._track: _Track | None = None
 
-    def reset(self) -> None:
-        """Forgets all scans and the path."""
-        self._surroundings.clear()
-        self._smoother.restart(STOP)
-        self._let_go()
-
-    def update(self, observation: Observation) -> Assistance:
-        """Joystick at rest or a stale scan: stop. Reversing: the user's own. Else: along a path to the intention."""
-        if observation.stale:
-            return self._stop(observation, "stale")
-        obstacles = self._surroundings.see(observation)
+    def _decide(self, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
+        """Joystick at rest: stop. Reversing, or a turn held for long: the user's own. Else: along a path to the
+        intention."""
         forward, left = observation.joystick
         if np.hypot(forward, left) < self.config.dead_zone:
-            return self._stop(observation, "rest")
+            self._let_go(observation.twist)
+            return Assistance(STOP, "rest")
         turned, held = self._held_turn.update(observation)
         if abs(np.arctan2(left, forward)) >= self.config.reverse_from:
             self._track = None
-            return self._supervised(Assistance(self._own(observation, 1.0), "reverse"), observation, obstacles)
+            return Assistance(self._own(observation, 1.0), "reverse")
         if turned >= self.config.own_turn_after or held >= self.config.own_turn_patience - 1e-9:
             self._track = None
-            return self._supervised(Assistance(self._own(observation, 1.0), "own_turn"), observation, obstacles)
+            return Assistance(self._own(observation, 1.0), "own_turn")
         planned = self._replan(observation, obstacles)
         if self._track is None:
-            own = self._own(observation, self.config.no_path_share)
-            return self._supervised(Assistance(own, "no_path"), observation, obstacles)
-        return self._supervised(self._follow(self._track, observation, obstacles, planned), observation, obstacles)
+            return Assistance(self._own(observation, self.config.no_path_share), "no_path")
+        return self._follow(self._track, observation, obstacles, planned)
 
-    def _let_go(self) -> None:
+    def _let_go(self, twist: Twist2) -> None:
         self._track = None
         self._held_turn = _HeldTurn()
-
-    def _stop(self, observation: Observation, mode: str) -> Assistance:
-        self._let_go()
-        self._smoother.restart(observation.twist)  # what the chair still does is where a path would go on from
-        return Assistance(STOP, mode)
+        self._smoother.restart(twist)  # what the chair still does is where a path would go on from
 
     def _own(self, observation: Observation, share: float) -> Twist2:
         wanted = joystick_to_twist(*observation.joystick, self.chair.limits)
@@ -336,7 +396,9 @@ class DriveAssistant:
         share = self._slow_share(pursuit.twist, obstacles)
         point = (float(pursuit.control_point[0]), float(pursuit.control_point[1]))
         return Assistance(
-            command=self._smoother.filter(Twist2(pursuit.twist.linear * share, pursuit.twist.angular * share)),
+            command=self._smoother.filter(
+                Twist2(pursuit.twist.linear * share, pursuit.twist.angular * share), observation.stamp
+            ),
             mode="path",
             path=track.path_odom,
             planned=planned,
@@ -354,12 +416,10 @@ class DriveAssistant:
         return float(np.clip(until / within, self.config.slowest_share, 1.0))
 
     def _supervised(self, said: Assistance, observation: Observation, obstacles: ObstaclePoints) -> Assistance:
-        if self._supervisor is None:
-            return said
-        allowed = self._supervisor.filter(said.command, observation.twist, obstacles)
-        if allowed.changed or said.mode != "path":
-            self._smoother.restart(allowed.twist)
-        return replace(said, command=allowed.twist, supervised=allowed.changed)
+        allowed = super()._supervised(said, observation, obstacles)
+        if allowed.mode != "rest" and (allowed.supervised or allowed.mode != "path"):
+            self._smoother.restart(allowed.command, observation.stamp)
+        return allowed
 
 
 def _track(planned: PlannedPath, observation: Observation) -> _Track:

@@ -9,25 +9,37 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import count
 from typing import TYPE_CHECKING, Protocol
 
 from lfdcore.geometry import Twist2
-from lfdcore.wheelchair.observation import PERIOD, Assistance, Observation
+from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLogWriter
     from lfdcore.wheelchair.assistants import Assistant
 
 
+TOLERANCE = 1e-6
+"""[s] A tick this much early counts for the one after."""
+LAST_STAMP = 2.0**31
+"""[s] A drive log's stamps end here."""
+JITTER = 0.5
+"""A command holds for a period and this share of it; a tick that comes later finds a chair that brakes."""
+
+
 class Chair(Protocol):
     """What is driven, with its sensors and its driver's stick: a simulated chair, or a real one's link."""
 
+    @property
+    def geometry(self) -> ChairGeometry:
+        """What its assistant must know of it."""
+
     def observe(self, stamp: float) -> Observation:
-        """What sensors and stick say at `stamp` [s], the loop's time."""
+        """What sensors and stick say at `stamp` [s], the loop's time, each with the stamp at which it said so."""
 
     def command(self, twist: Twist2, duration: float) -> None:
-        """Drive `twist` [m/s, rad/s] for the next `duration` [s], until another command comes."""
+        """Drive `twist` [m/s, rad/s] until another command comes, for `duration` [s] at the longest; then brake to a
+        standstill, whatever became of the loop."""
 
     def stop(self) -> None:
         """Stand still: the loop has ended, for whatever reason."""
@@ -82,27 +94,33 @@ def drive(
     """Resets the assistant, then lets it drive: a tick every `period` [s], recorded in `log`, until `until` says of one
     that it was the last. It is asked when the tick's command was given and its records were written.
 
+    A tick that is late is one tick, with the time that it is; those missed meanwhile are left out, not made up for. A
+    command holds for a period and a half, after which the chair brakes. What a late tick's assistant does is said in
+    its WatchConfig.
+
     clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is stopped.
-    ValueError, before anything moves, for a period that is not finite and > 0; for a command that is not finite, which
-    the chair is never given.
+    ValueError, before anything moves, for a period that is not finite and > 0, and for an assistant made for another
+    chair; for a command that is not finite, which the chair is never given.
     """
     if not 0 < period < math.inf:
         raise ValueError(f"period is {period} s, must be finite and > 0")
+    assistant.chair.require_fit(chair.geometry)
     clock = clock or WallClock()
+    recorder = None if log is None else _Recorder(log)
+    number = 0
     try:
         assistant.reset()
-        scan_stamp = -math.inf
-        for number in count():
+        while True:
             stamp = clock.wait_until(number * period)
             observation = chair.observe(stamp)
             assistance = assistant.update(observation)
             _require_finite(assistance.command)
-            chair.command(assistance.command, period)
-            if log is not None:
-                record(log, observation, assistance, with_scan=observation.scan_stamp > scan_stamp)
-                scan_stamp = observation.scan_stamp
+            chair.command(assistance.command, (1 + JITTER) * period)
+            if recorder is not None:
+                recorder.record(observation, assistance)
             if until(Tick(stamp, observation, assistance)):
                 return
+            number = max(number + 1, math.ceil((stamp - TOLERANCE) / period))
     finally:
         chair.stop()
 
@@ -112,15 +130,33 @@ def _require_finite(command: Twist2) -> None:
         raise ValueError(f"the assistant commands {command.linear} m/s and {command.angular} rad/s, must be finite")
 
 
-def record(log: DriveLogWriter, seen: Observation, answer: Assistance, *, with_scan: bool = True) -> None:
-    """Writes what a chair's drive log holds of one tick (docs/drive-log.md). with_scan: False for a scan that an
-    earlier tick saw, and wrote, already."""
-    log.odometry(seen.stamp, seen.pose, seen.twist)
-    if with_scan:
-        log.scan(seen.scan_stamp, seen.scan)
-    log.joystick(seen.stamp, *seen.joystick)
-    log.command(seen.stamp, answer.command)
-    if answer.planned and answer.path is not None:
-        log.plan(seen.stamp, answer.path)
-    if answer.planned and answer.goal is not None:
-        log.intention(seen.stamp, answer.goal, answer.likelihood)
+class _Recorder:
+    """Writes what a chair's drive log holds of each tick (docs/drive-log.md): of every stream what is new, at its own
+    stamp. What has no stamp, repeats one, goes back or is not finite is not written: the log's streams are sound."""
+
+    def __init__(self, log: DriveLogWriter) -> None:
+        self._log = log
+        self._newest: dict[str, float] = {}
+
+    def record(self, seen: Observation, answer: Assistance) -> None:
+        if self._is_new("odometry", seen.odometry_stamp, *seen.pose, *seen.twist):
+            self._log.odometry(self._newest["odometry"], seen.pose, seen.twist)
+        if self._is_new("scan", seen.scan_stamp):
+            self._log.scan(self._newest["scan"], seen.scan)
+        if self._is_new("joystick", seen.joystick_stamp, *seen.joystick):
+            self._log.joystick(self._newest["joystick"], *seen.joystick)
+        if not self._is_new("command", seen.stamp):
+            return
+        self._log.command(seen.stamp, answer.command)
+        if answer.planned and answer.path is not None:
+            self._log.plan(seen.stamp, answer.path)
+        if answer.planned and answer.goal is not None:
+            self._log.intention(seen.stamp, answer.goal, answer.likelihood)
+
+    def _is_new(self, stream: str, stamp: float | None, *values: float) -> bool:
+        if stamp is None or not all(map(math.isfinite, (stamp, *values))):
+            return False
+        if not 0 <= stamp < LAST_STAMP or stamp <= self._newest.get(stream, -math.inf):
+            return False
+        self._newest[stream] = stamp
+        return True

@@ -49,7 +49,7 @@ class MethodModel(Learned, Protocol):
     drives: ClassVar[bool]
     """Whether it has a planner"""
 
-    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> Planner:
+    def planner(self, chair: ChairGeometry, *, thesis: bool = False) -> Planner:
         """A new planner for a chair (default: the simulated one), with the method's defaults or the printed values.
         ModelError where the method does not drive."""
 

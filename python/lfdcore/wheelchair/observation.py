@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,55 +21,89 @@ PERIOD = 0.1
 """[s] between ticks: the thesis logs at 10 Hz (Sec. 3.5)"""
 MOVING = 0.05
 """[m/s] from which the chair counts as moving"""
-STALE_AFTER = 0.5
-"""A scan older than this [s] says nothing of what is around now: every assistant that needs one stops."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChairGeometry:
-    """The chair as an assistant knows it."""
+    """The chair as an assistant knows it. Nothing of it has a default that could be another chair's."""
 
-    footprint: Footprint = field(default_factory=Footprint)
-    limits: MotionLimits = field(default_factory=MotionLimits)
-    T_base_laser: Pose2 = field(default_factory=lambda: Pose2(0.70, 0.0, 0.0))
+    footprint: Footprint
+    """The outline [m], in base_link"""
+    limits: MotionLimits
+    T_base_laser: Pose2
+    """The scanner's mounting, in base_link"""
+    latency: float = 0.1
+    """[s] from a command to the first motion that it causes"""
+    scan_period: float = PERIOD
+    """[s] between scans"""
+    range_noise: float = 0.01
+    """Standard deviation of the scanner's ranges [m]"""
+    odometry_error: float = 0.02
+    """Share of way and turn by which odometry may be wrong"""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.latency <= 1:
+            raise ValueError(f"latency is {self.latency} s, must lie in [0, 1]")
+        if not 0 < self.scan_period < math.inf:
+            raise ValueError(f"scan_period is {self.scan_period} s, must be finite and > 0")
+        if not 0.001 <= self.range_noise <= 0.2:
+            raise ValueError(f"range_noise is {self.range_noise} m, must lie in [0.001, 0.2]")
+        if not 0 <= self.odometry_error <= 0.5:
+            raise ValueError(f"odometry_error is {self.odometry_error}, must be a share in [0, 0.5]")
+
+    def require_fit(self, chair: ChairGeometry) -> None:
+        """ValueError unless an assistant made for this chair may drive `chair`: outline, limits and mounting are the
+        same, and `chair` is no slower, noisier or more wrong than this one."""
+        for name in ("footprint", "limits", "T_base_laser"):
+            mine, its = getattr(self, name), getattr(chair, name)
+            if mine != its:
+                raise ValueError(f"the assistant was made for a chair whose {name} is {mine}, but it is {its}")
+        for name in ("latency", "scan_period", "range_noise", "odometry_error"):
+            mine, its = getattr(self, name), getattr(chair, name)
+            if its > mine:
+                raise ValueError(f"the assistant was made for a chair whose {name} is {mine}, but it is more: {its}")
+
+    @staticmethod
+    def thesis(T_base_laser: Pose2 | None = None) -> ChairGeometry:
+        """The wheelchair of Sec. 3.2, whose scanner stands .70 m ahead of its axle, or elsewhere if given."""
+        return ChairGeometry(
+            footprint=Footprint(), limits=MotionLimits(), T_base_laser=T_base_laser or Pose2(0.70, 0.0, 0.0)
+        )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observation:
-    """One tick of the chair's sensors. Nothing of the world but this reaches an assistant."""
+    """One tick of the chair's sensors. Nothing of the world but this reaches an assistant.
+
+    It holds what the sensors say, also what is wrong: an assistant judges that itself (Watch), and stops. A stamp is
+    when its source said so, by the clock of `stamp`; None: it has not said anything. Never hand on an old value with a
+    new stamp.
+    """
 
     stamp: float
     """Now [s]."""
     scan: LaserScan
-    scan_stamp: float
-    """When the scan was taken [s], not later than `stamp`."""
+    scan_stamp: float | None
+    """When the scan was taken [s]."""
     pose: Pose2
     """T_odom_base by odometry."""
     twist: Twist2
     """By odometry [m/s, rad/s]."""
+    odometry_stamp: float | None
+    """Of pose and twist [s]."""
     joystick: tuple[float, float]
     """(forward, left), each in [-1, 1]."""
+    joystick_stamp: float | None
+    """When the stick last said where it is [s], also if it had not moved."""
     scan_pose: Pose2 | None = None
     """T_odom_base by odometry when the scan was taken; None: as now."""
-
-    @property
-    def stale(self) -> bool:
-        """Whether the scan is too old to drive by."""
-        return self.stamp - self.scan_stamp > STALE_AFTER
+    command: Twist2 | None = None
+    """What the chair was last commanded [m/s, rad/s], as it says itself; None: it does not say, or is not driven by
+    these commands (a replay). Odometry is judged by it."""
 
     def scan_mounting(self, T_base_laser: Pose2) -> Pose2:
         """Where the scan was taken, in base_link as it stands now."""
         return T_base_laser if self.scan_pose is None else self.pose.inverse() * self.scan_pose * T_base_laser
-
-    def __post_init__(self) -> None:
-        scan_pose = self.scan_pose or self.pose
-        numbers = (self.stamp, self.scan_stamp, *self.pose, *self.twist, *self.joystick, *scan_pose)
-        if not np.isfinite(numbers).all():
-            raise ValueError(f"an observation must be finite, has {numbers}")
-        if max(map(abs, self.joystick)) > 1 + 1e-6:
-            raise ValueError(f"joystick is {self.joystick}, must lie in [-1, 1] on both axes")
-        if self.scan_stamp > self.stamp:
-            raise ValueError(f"scan_stamp is {self.scan_stamp} s, must not be later than stamp, {self.stamp} s")
 
 
 @dataclass(frozen=True)
@@ -78,7 +113,8 @@ class Assistance:
     command: Twist2
     """What the chair is to do [m/s, rad/s]."""
     mode: str
-    """Who decided: 'user', 'path', 'no_path', 'reverse', 'own_turn', 'rest', 'stale' or 'dwa'."""
+    """Who decided: 'user', 'path', 'no_path', 'reverse', 'own_turn', 'rest' or 'dwa'; or why the chair stops: 'silent',
+    'stale', 'blind', 'late' or 'fault' (see Watch)."""
     path: NDArray[np.float64] | None = None
     """(N, 2) [m] in odom: the path being followed, None without one."""
     planned: bool = False
@@ -115,5 +151,7 @@ def observations(log: DriveLog) -> Iterator[Observation]:
             scan_stamp=float(stamp),
             pose=Pose2(*log.pose[odometry]),
             twist=Twist2(*log.twist[odometry]),
+            odometry_stamp=float(log.odometry_stamp[odometry]),
             joystick=(float(log.joystick[joystick, 0]), float(log.joystick[joystick, 1])),
+            joystick_stamp=float(log.joystick_stamp[joystick]),
         )

@@ -7,8 +7,10 @@ import numpy as np
 from lfdcore.grid import ObstaclePoints, OccupancyGrid, RollingMap
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 
-MEMORY = 120.0
+MEMORY = 600.0
 """[s] that the rolling map remembers a scan"""
+REACH = 1.5
+"""[m] from the outline within which never-seen space matters: what the chair can sweep over before it stands"""
 
 
 class Surroundings:
@@ -16,26 +18,35 @@ class Surroundings:
 
     def __init__(self, chair: ChairGeometry, duration: float = MEMORY) -> None:
         self._chair = chair
-        self._map = RollingMap(duration)
-        self._now = self._newest_scan = -np.inf
+        self._map = RollingMap(
+            duration,
+            range_noise=chair.range_noise,
+            odometry_error=chair.odometry_error,
+            own_body=chair.footprint,
+        )
+        self._newest_scan = -np.inf
 
     def clear(self) -> None:
         """Forgets all scans."""
         self._map.clear()
-        self._now = self._newest_scan = -np.inf
+        self._newest_scan = -np.inf
 
     def see(self, observation: Observation) -> ObstaclePoints:
-        """Takes in a scan from where it was taken, unless it has it already; -> obstacle points in base_link, now.
+        """Takes in a scan from where it was taken, unless it has it already or it has no stamp; -> obstacle points in
+        base_link, now.
 
-        ValueError for a stamp, of the tick or of the scan, before the last one: reset() starts a new drive.
+        ValueError for a scan stamped before the last one: clear() starts a new drive.
         """
-        if observation.stamp < self._now:
-            raise ValueError(f"stamp goes back from {self._now} s to {observation.stamp} s without a reset")
-        if observation.scan_stamp != self._newest_scan:
+        stamp = observation.scan_stamp
+        if stamp is not None and stamp != self._newest_scan:
             taken_at = observation.scan_pose or observation.pose
-            self._map.insert(observation.scan_stamp, observation.scan, self._chair.T_base_laser, taken_at)
-        self._now, self._newest_scan = observation.stamp, observation.scan_stamp
+            self._map.insert(stamp, observation.scan, self._chair.T_base_laser, taken_at)
+            self._newest_scan = stamp
         return self._map.obstacles(observation.pose)
+
+    def unseen(self, observation: Observation) -> ObstaclePoints:
+        """-> the border of the space that no beam has seen, as points in base_link."""
+        return self._map.unseen(observation.pose, self._chair.footprint, REACH)
 
     def grid(self, observation: Observation) -> OccupancyGrid:
         """-> local grid around base_link."""

@@ -12,9 +12,10 @@ from dataclasses import replace
 
 from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2
 from lfdcore.grid import LaserScan
-from lfdcore.wheelchair.assistants import DriveAssistant, DriveAssistantConfig
+from lfdcore.wheelchair.assistants import STOP, DriveAssistant, DriveAssistantConfig
 from lfdcore.wheelchair.method import MethodModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.watch import Watch, WatchConfig
 
 TURNED = Pose2(0.0, 0.0, math.pi)
 """The chair as seen by one who takes its back for its front."""
@@ -31,12 +32,14 @@ class TwoWayAssistant:
     def __init__(
         self,
         model: MethodModel,
-        chair: ChairGeometry | None = None,
+        chair: ChairGeometry,
         config: DriveAssistantConfig | None = None,
         name: str = "two_way",
+        watch: WatchConfig | None = None,
     ) -> None:
         self.name = name
-        self.chair = chair or ChairGeometry()
+        self.chair = chair
+        self._watch = Watch(chair, watch)
         self.config = config or DriveAssistantConfig()
         self._ahead = DriveAssistant(model.planner(self.chair), self.config)
         # to the side of a reversing chair: a turn on the spot, the user's own
@@ -46,14 +49,20 @@ class TwoWayAssistant:
 
     def reset(self) -> None:
         """Forgets all scans and paths."""
+        self._watch.reset()
         self._ahead.reset()
         self._behind.reset()
         self._backwards = False
 
     def update(self, observation: Observation) -> Assistance:
         """That of the assistant which drives the way the stick points; the other one lets go."""
-        self._backwards = sees_all_around(observation.scan) and self._points_behind(observation)
+        halt = self._watch.judge(observation)
         resting = replace(observation, joystick=(0.0, 0.0))
+        if halt is not None:
+            self._ahead.update(resting)
+            self._behind.update(turned(resting))
+            return Assistance(STOP, halt)
+        self._backwards = sees_all_around(observation.scan) and self._points_behind(observation)
         if self._backwards:
             self._ahead.update(resting)
             return _turned_back(self._behind.update(turned(observation)))
@@ -76,7 +85,8 @@ def sees_all_around(scan: LaserScan) -> bool:
 
 def turned_chair(chair: ChairGeometry) -> ChairGeometry:
     """The same chair with its back taken for its front."""
-    return ChairGeometry(
+    return replace(
+        chair,
         footprint=swapped_ends(chair.footprint),
         limits=swapped_limits(chair.limits),
         T_base_laser=TURNED.inverse() * chair.T_base_laser,
@@ -89,10 +99,16 @@ def turned(observation: Observation) -> Observation:
     return replace(
         observation,
         pose=observation.pose * TURNED,
-        twist=Twist2(-observation.twist.linear, observation.twist.angular),
+        twist=_opposite(observation.twist),
         joystick=(-forward, left),
         scan_pose=None if observation.scan_pose is None else observation.scan_pose * TURNED,
+        command=None if observation.command is None else _opposite(observation.command),
     )
+
+
+def _opposite(twist: Twist2) -> Twist2:
+    """As the turned chair has it: the rate of turn stays."""
+    return Twist2(-twist.linear, twist.angular)
 
 
 def _turned_back(said: Assistance) -> Assistance:
@@ -100,7 +116,7 @@ def _turned_back(said: Assistance) -> Assistance:
     point = said.control_point
     return replace(
         said,
-        command=Twist2(-said.command.linear, said.command.angular),
+        command=_opposite(said.command),
         control_point=None if point is None else (-point[0], -point[1]),
     )
 

@@ -120,6 +120,9 @@ double worst_breach(const State& state, const SupervisorResult& result, const Su
   return worst;
 }
 
+// hazard: The chair drives into what the scan shows | requirement:
+// every point keeps its distance, accelerations, braking and speeds off by what is declared
+// | count: 2000 random states, LFDCORE_SUPERVISOR_STATES
 TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_chair_within_the_errors) {
   const long states = count_from("LFDCORE_SUPERVISOR_STATES", 2000);
   const SupervisorConfig config;
@@ -149,6 +152,9 @@ TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_
   EXPECT_GT(passed, states / 20);
 }
 
+// hazard: The chair does what was not asked for | requirement:
+// linear never faster nor the other way, on the spot never faster, |w| <= wmax |stick|
+// | count: 2000 random states, LFDCORE_SUPERVISOR_STATES
 TEST(SupervisorPromise, what_replaces_a_command_is_what_may_replace_it) {
   const long states = count_from("LFDCORE_SUPERVISOR_STATES", 2000);
   const MotionLimits limits;
@@ -225,6 +231,8 @@ double least_clearance_of_a_drive(Random& random, int latency, bool declared, in
   return least;
 }
 
+// hazard: A command acts late | requirement:
+// latency up to .3 s that is declared touches nothing | count: 4 drives, LFDCORE_SUPERVISOR_DRIVES
 TEST(SupervisorPromise, declared_latency_up_to_three_tenths_of_a_second_touches_nothing) {
   const long drives = count_from("LFDCORE_SUPERVISOR_DRIVES", 4);
   for (const int latency : {0, 5, 10, 15}) {
@@ -265,6 +273,8 @@ struct FusedScanner {
   }
 };
 
+// hazard: A stick is held beside furniture | requirement:
+// clearance is not used up, range noise 1 and 3 cm | count: 600 ticks, LFDCORE_HELD_STICK_TICKS
 TEST(SupervisorPromise, a_stick_held_beside_furniture_does_not_use_up_the_clearance) {
   const long ticks = count_from("LFDCORE_HELD_STICK_TICKS", 600);
   Points furniture = box(1.6, 2.2, -1.5, 1.5);

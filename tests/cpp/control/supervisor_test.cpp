@@ -183,6 +183,7 @@ TEST(Supervisor, stops_at_a_wall_and_says_so) {
   EXPECT_FALSE(supervisor.filter({}, {0.7, 0}, ObstaclePoints(wall_ahead(0.95))).stopped);
 }
 
+// hazard: The chair is frozen | requirement: it backs out of points within margin and outline | count: 1 case
 TEST(Supervisor, can_always_back_out_when_points_are_within_the_margin_or_the_footprint) {
   Supervisor supervisor;
   for (const double gap : {0.02, 0.005, 0.0005, 0.0, -0.005, -0.015, -0.1}) {
@@ -194,6 +195,7 @@ TEST(Supervisor, can_always_back_out_when_points_are_within_the_margin_or_the_fo
   }
 }
 
+// hazard: The chair is frozen | requirement: it slides along a wall that is within the margin | count: 1 case
 TEST(Supervisor, slides_along_a_wall_that_is_within_the_margin) {
   Path wall(200, 2);
   for (int i = 0; i < 200; ++i) wall.row(i) << -3 + 0.05 * i, 0.353;  // 3 mm beside the chair
@@ -208,6 +210,7 @@ TEST(Supervisor, slides_along_a_wall_that_is_within_the_margin) {
   }
 }
 
+// hazard: Something touches the chair's side | requirement: it takes nothing from the margin to others | count: 1 case
 TEST(Supervisor, a_point_inside_the_footprint_takes_nothing_from_the_margin_to_others) {
   const Path wall = wall_ahead(1.0);
   for (const double depth : {0.01, 0.03, 0.1}) {
@@ -239,6 +242,8 @@ TEST(Supervisor, the_driver_gets_slower_through_a_narrow_gap_not_stuck) {
   EXPECT_GT(chair.least_clearance, 0.06);
 }
 
+// hazard: The chair goes where no beam has seen | requirement:
+// at most .1 m/s ahead, .15 m/s back, .2 rad/s | count: 1 case
 TEST(Supervisor, enters_space_that_no_beam_has_seen_at_creep_speeds_only) {
   const ObstaclePoints nothing, ahead(wall_ahead(1.0)), behind(wall_ahead(-0.5));
   Path beside(1, 2);

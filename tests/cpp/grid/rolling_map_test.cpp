@@ -154,7 +154,8 @@ TEST(RollingMap, a_wall_out_of_view_is_remembered_for_its_duration_whatever_is_s
 }
 
 // Nearer than the truth by what is uncertain; farther never by more than what the latest scan is off by.
-TEST(RollingMap, an_obstacle_that_comes_nearer_is_never_told_farther_than_it_is) {
+// hazard: Fused points lag behind what moves | requirement: never farther than it is | count: 1 case
+TEST(RollingMap, an_obstacle_that_comes_nearer_is_never_given_farther_than_it_is) {
   for (const double noise : {0.01, 0.03})
     for (const double speed : {0.2, 0.5, 1.4}) {
       RollingMap map(long_memory(noise));
@@ -230,6 +231,8 @@ int points_beside_after_meeting(double walking, double noise, int seed) {
   return left;
 }
 
+// hazard: A person's last points stay | requirement:
+// forgotten after a few seconds; what stands is kept | count: 1 case
 TEST(RollingMap, a_person_who_walks_out_of_view_is_forgotten_after_a_few_seconds) {
   for (const double noise : {0.01, 0.03})
     for (const double walking : {0.3, 0.5, 1.4})
@@ -296,7 +299,7 @@ TEST(RollingMap, a_point_just_seen_or_a_chair_that_stands_needs_no_more_places) 
 }
 
 // The true way is the odometry's with its lengths or turns off by the share; where the point is then, is told.
-TEST(RollingMap, wrong_lengths_or_turns_leave_a_point_where_it_is_told) {
+TEST(RollingMap, wrong_lengths_or_turns_leave_a_point_where_it_is) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int drive = 0; drive < 200; ++drive) {
@@ -319,6 +322,8 @@ TEST(RollingMap, wrong_lengths_or_turns_leave_a_point_where_it_is_told) {
   }
 }
 
+// hazard: The scanner sees the driver's own foot | requirement:
+// it is no obstacle, and its beam says nothing | count: 1 case
 TEST(RollingMap, hits_deep_inside_the_own_body_are_no_obstacles_and_their_beams_say_nothing) {
   RollingMap map({.range_noise = 0.001, .own_body = Footprint{}});
   const Pose2 rear_laser{-0.30, 0, 0};

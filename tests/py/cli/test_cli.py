@@ -20,6 +20,9 @@ from lfdcore.simulated.courses import home
 from lfdcore.simulated.drivers import ExpertDriver
 from lfdcore.simulated.run import run_drive
 from lfdcore.wheelchair.assistants import Unassisted
+from lfdcore.wheelchair.observation import ChairGeometry
+
+CHAIR = ChairGeometry.thesis()
 
 
 @dataclass
@@ -55,7 +58,7 @@ def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a drive log, a map, and damaged ones."""
     folder, course = tmp_path_factory.mktemp("cli"), home(2)
-    run_drive(course, ExpertDriver(course), Unassisted(), seed=1, log_path=folder / "drive.mcap")
+    run_drive(course, ExpertDriver(course), Unassisted(CHAIR), seed=1, log_path=folder / "drive.mcap")
     write_map(course.grid, folder / "home.yaml")
     whole = (folder / "drive.mcap").read_bytes()
     (folder / "garbled.mcap").write_bytes(whole[:1000] + bytes(300) + whole[1300:])

@@ -244,7 +244,7 @@ def test_points_are_not_rounded_to_cells() -> None:
 @pytest.mark.parametrize(
     ("hits", "expected"), [(1, [[1.7, 0.01], [1.68, 0.01]]), (9, [[1.7, 0.01]]), (36, [[1.7, 0.005]])]
 )
-def test_a_point_is_told_with_three_standard_errors_beyond_a_centimetre_along_its_beams(
+def test_a_point_is_given_with_three_standard_errors_beyond_a_centimetre_along_its_beams(
     hits: int, expected: list[list[float]]
 ) -> None:
     rolling = RollingMap(range_noise=0.01)

@@ -45,16 +45,19 @@ from lfdcore.study.driving.study import DrivingStudy, WholeResult
 from lfdcore.study.study import write_study
 from lfdcore.training.drive_primitives import learn_drive
 from lfdcore.wheelchair.assistants import DynamicWindowAssistant, Unassisted
+from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.primitives.local_paths import LocalPaths, extract_local_paths
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.path_primitives import PathPrimitives, orientation_bin
+
+CHAIR = ChairGeometry.thesis()
 
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> DriveLog:
     path = tmp_path_factory.mktemp("log") / "home.mcap"
     course = home(2)
-    run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
+    run_drive(course, ExpertDriver(course), Unassisted(CHAIR), 1, log_path=path)
     return open_log(path)
 
 
@@ -66,7 +69,9 @@ def model(log: DriveLog) -> DriveAssistantModel:
 @pytest.fixture(scope="module")
 def runs() -> list[DriveTrace]:
     course = doorway_and_docking(3).course
-    return [run_drive(course, ImpairedDriver(course), arm, 3) for arm in (Unassisted(), DynamicWindowAssistant())]
+    return [
+        run_drive(course, ImpairedDriver(course), arm, 3) for arm in (Unassisted(CHAIR), DynamicWindowAssistant(CHAIR))
+    ]
 
 
 def drive(pose: np.ndarray, plans: tuple[Plan, ...] = ()) -> DriveTrace:
@@ -292,7 +297,7 @@ def test_the_driving_report_has_tables_courses_and_stages_and_stays_the_same(
     model.save(tmp_path / "m.safetensors")
     path = tmp_path / "demonstration.mcap"
     course = home(2)
-    run_drive(course, ExpertDriver(course), Unassisted(), 1, log_path=path)
+    run_drive(course, ExpertDriver(course), Unassisted(CHAIR), 1, log_path=path)
     short = replace(doorway_and_docking(3).course, name="short")
     arms = ("none", "primitives")
     study = DrivingPlan(

@@ -24,10 +24,14 @@ from lfdcore.wheelchair.observation import Assistance, Observation
 R = PeopleConfig().radius
 
 
+CHAIR = RunConfig().geometry
+
+
 class Standing:
     """An assistant that lets nobody drive."""
 
     name = "standing"
+    chair = CHAIR
 
     def reset(self) -> None:
         pass
@@ -162,7 +166,7 @@ def test_two_who_meet_head_on_pass_each_other_on_the_right() -> None:
 def test_a_run_among_people_gives_the_same_bytes_again_and_moves_the_driver_as_without() -> None:
     course = flat()
     alone, among, again = (
-        run_drive(course, ImpairedDriver(course), Unassisted(), 3, for_seconds(course, 20, people=people))
+        run_drive(course, ImpairedDriver(course), Unassisted(CHAIR), 3, for_seconds(course, 20, people=people))
         for people in (None, PeopleConfig(), PeopleConfig())
     )
     for name in ("pose", "twist", "joystick", "desired", "command", "in_contact", "collision"):
@@ -178,7 +182,7 @@ def test_whoever_drives_blindly_through_a_crowd_meets_people_with_the_nose() -> 
     met: list[PersonMet] = []
     for seed in range(3):
         config = for_seconds(course, 60, people=PeopleConfig(count=30))
-        trace = run_drive(course, ImpairedDriver(course), Unassisted(), seed, config)
+        trace = run_drive(course, ImpairedDriver(course), Unassisted(CHAIR), seed, config)
         assert trace.touches_person.any() == bool(trace.people_met)
         met += trace.people_met
     assert any(meeting.foreseeable for meeting in met)
@@ -264,7 +268,7 @@ def test_no_people_walk_too() -> None:
     course = flat()
     nobody = in_course(course, 0, count=0)
     assert nobody.walk(0.1) == [] and nobody.position.shape == (0, 2)
-    run = run_drive(course, ImpairedDriver(course), Unassisted(), 1, for_seconds(course, 2, people=nobody.config))
+    run = run_drive(course, ImpairedDriver(course), Unassisted(CHAIR), 1, for_seconds(course, 2, people=nobody.config))
     assert run.people.shape[1:] == (0, 2) and run.people_met == ()
 
 

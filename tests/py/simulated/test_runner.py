@@ -20,7 +20,9 @@ from lfdcore.study.demonstrations import demonstrate
 from lfdcore.study.driving.plan import DrivingPlan, run_driving_plan
 from lfdcore.study.jobs import _end_deferred, run_jobs
 from lfdcore.wheelchair.assistants import STOP, Unassisted
-from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+
+CHAIR = ChairGeometry.thesis()
 
 
 def for_seconds(course: Course, seconds: float, **changes: object) -> RunConfig:
@@ -32,6 +34,7 @@ class Refusing:
     """An assistant that never lets the chair move, and keeps what it saw."""
 
     name = "refusing"
+    chair = CHAIR
 
     def __init__(self) -> None:
         self.seen: list[Observation] = []
@@ -137,7 +140,7 @@ def test_a_driver_who_does_not_get_on_is_stuck_and_one_too_slow_times_out() -> N
     stuck = run_drive(course, ImpairedDriver(course), Refusing(), 0, RunConfig(stuck_after=5.0))
     assert stuck.outcome == "stuck" and not stuck.completed
     assert stuck.stamp[-1] == pytest.approx(5.1, abs=0.11)
-    slow = run_drive(course, ImpairedDriver(course), Unassisted(), 0, for_seconds(course, 8))
+    slow = run_drive(course, ImpairedDriver(course), Unassisted(CHAIR), 0, for_seconds(course, 8))
     assert slow.outcome == "time_out" and not slow.completed
     assert slow.stamp[-1] == pytest.approx(8.1, abs=0.11)
 
@@ -193,7 +196,9 @@ def _no_assistant() -> Unassisted:
 @pytest.mark.parametrize("processes", [1, 2])
 def test_an_error_in_a_job_reaches_the_caller(processes: int) -> None:
     course = flat()
-    jobs = [Job(course, _driver, make, 0, for_seconds(course, 1)) for make in (Unassisted, _no_assistant)]
+    jobs = [
+        Job(course, _driver, make, 0, for_seconds(course, 1)) for make in (partial(Unassisted, CHAIR), _no_assistant)
+    ]
     with pytest.raises(ValueError, match="no assistant"):
         run_jobs(jobs, processes=processes)
 
@@ -227,7 +232,7 @@ def test_ctrl_c_while_processes_are_started_counts_once_all_are_known() -> None:
 def test_an_expert_who_touches_something_demonstrates_again(tmp_path: Path) -> None:
     """Seed 12 touches in the first home; the log that stays is of the next attempt."""
     course = training_courses()[0]
-    assert run_drive(course, ExpertDriver(course), Unassisted(), 12).collision.any()
+    assert run_drive(course, ExpertDriver(course), Unassisted(CHAIR), 12).collision.any()
     path, trace = demonstrate(tmp_path, 12)[0]
     assert trace.seed == 1012 and not trace.collision.any()
     np.testing.assert_allclose(open_log(path).scan_stamp[-1], trace.stamp[-1])

@@ -10,6 +10,9 @@ from lfdcore.estimation import Kernel
 from lfdcore.wheelchair.adaptive_assistant import AdaptiveAssistant
 from lfdcore.wheelchair.heatmaps.joystick import JoystickBins, JoystickModel, JoystickModelConfig, JoystickPrior
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
+from lfdcore.wheelchair.observation import ChairGeometry
+
+CHAIR = ChairGeometry.thesis()
 
 PRIOR = JoystickPrior(Kernel(0.5, [0.5, 0.5]), 0.05)
 
@@ -21,7 +24,7 @@ def test_a_resumed_driver_is_turned_as_before(heatmap_model: Path, tmp_path: Pat
     wanted = 0.8 * np.stack([np.cos(angle - 0.3), np.sin(angle - 0.3)], axis=1)
     joystick = JoystickModel(JoystickBins.of_pairs(raw, raw, config), (PRIOR, PRIOR), config)
     model = replace(HeatmapModel.load(heatmap_model), joystick=joystick)
-    before, after = AdaptiveAssistant(model), AdaptiveAssistant(model)
+    before, after = AdaptiveAssistant(model, CHAIR), AdaptiveAssistant(model, CHAIR)
     for pair in zip(raw, wanted, strict=True):
         before.adapter.add(*pair)
     before.save_driver(tmp_path / "driver")

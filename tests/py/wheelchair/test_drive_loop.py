@@ -12,7 +12,10 @@ from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
 from lfdcore.wheelchair.assistants import Unassisted
 from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, WallClock, drive
-from lfdcore.wheelchair.observation import Assistance, Observation
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+from observed import observed
+
+CHAIR = ChairGeometry.thesis()
 
 SCAN = LaserScan(np.full(5, 2.0, np.float32), -1.0, 0.5, 0.0, 30.0)
 
@@ -20,12 +23,14 @@ SCAN = LaserScan(np.full(5, 2.0, np.float32), -1.0, 0.5, 0.0, 30.0)
 class Wheels:
     """The least chair: it notes what it is asked."""
 
+    geometry = CHAIR
+
     def __init__(self) -> None:
         self.calls: list[tuple[str, float]] = []
 
     def observe(self, stamp: float) -> Observation:
         self.calls.append(("observe", stamp))
-        return Observation(stamp, SCAN, stamp, Pose2(), Twist2(), (0.5, 0.0))
+        return observed(stamp, SCAN, (0.5, 0.0))
 
     def command(self, twist: Twist2, duration: float) -> None:
         self.calls.append(("command", twist.linear))
@@ -54,7 +59,7 @@ def ticks(n: int) -> "list[Tick]":
 
 def test_every_tick_observes_then_commands_and_the_chair_is_stopped_at_the_end() -> None:
     chair, seen = Wheels(), ticks(2)
-    drive(chair, Unassisted(), seen, clock=SimulatedClock())
+    drive(chair, Unassisted(CHAIR), seen, clock=SimulatedClock())
     assert [name for name, _ in chair.calls] == ["observe", "command", "observe", "command", "stop"]
     assert [tick.stamp for tick in seen] == [tick.observation.stamp for tick in seen] == pytest.approx([0.0, 0.1])
     assert chair.calls[1][1] == seen[0].assistance.command.linear > 0
@@ -63,7 +68,7 @@ def test_every_tick_observes_then_commands_and_the_chair_is_stopped_at_the_end()
 def test_the_chair_is_stopped_when_the_assistant_breaks() -> None:
     chair = Wheels()
     with pytest.raises(RuntimeError, match="broken"):
-        drive(chair, Breaking(), ticks(9), clock=SimulatedClock())
+        drive(chair, Breaking(CHAIR), ticks(9), clock=SimulatedClock())
     assert [name for name, _ in chair.calls][-2:] == ["observe", "stop"]
 
 
@@ -73,13 +78,13 @@ def test_the_chair_is_stopped_when_who_watches_interrupts() -> None:
 
     chair = Wheels()
     with pytest.raises(KeyboardInterrupt):
-        drive(chair, Unassisted(), interrupt, clock=SimulatedClock())
+        drive(chair, Unassisted(CHAIR), interrupt, clock=SimulatedClock())
     assert chair.calls[-1] == ("stop", 0.0)
 
 
 def test_the_loop_records_what_a_chair_records(tmp_path: Path) -> None:
     with DriveLogWriter(tmp_path / "drive.mcap", T_base_laser=Pose2(0.5, 0, 0)) as log:
-        drive(Wheels(), Unassisted(), ticks(3), clock=SimulatedClock(), log=log)
+        drive(Wheels(), Unassisted(CHAIR), ticks(3), clock=SimulatedClock(), log=log)
     drive_log = open_log(tmp_path / "drive.mcap")
     for stamps in (drive_log.scan_stamp, drive_log.odometry_stamp, drive_log.joystick_stamp, drive_log.command_stamp):
         np.testing.assert_allclose(stamps, [0.0, 0.1, 0.2])
@@ -92,7 +97,7 @@ def test_a_scan_that_several_ticks_see_is_recorded_once(tmp_path: Path) -> None:
             return replace(super().observe(stamp), scan_stamp=0.2 if stamp >= 0.2 else 0.0)
 
     with DriveLogWriter(tmp_path / "drive.mcap", T_base_laser=Pose2(0.5, 0, 0)) as log:
-        drive(SlowScanner(), Unassisted(), ticks(4), clock=SimulatedClock(), log=log)
+        drive(SlowScanner(), Unassisted(CHAIR), ticks(4), clock=SimulatedClock(), log=log)
     np.testing.assert_allclose(open_log(tmp_path / "drive.mcap").scan_stamp, [0.0, 0.2])
 
 
@@ -103,7 +108,7 @@ def test_the_chair_is_stopped_when_the_assistant_cannot_begin() -> None:
 
     chair = Wheels()
     with pytest.raises(RuntimeError, match="unready"):
-        drive(chair, Unready(), ticks(1), clock=SimulatedClock())
+        drive(chair, Unready(CHAIR), ticks(1), clock=SimulatedClock())
     assert chair.calls == [("stop", 0.0)]
 
 
@@ -114,7 +119,7 @@ def test_a_command_that_is_not_finite_stops_the_chair_and_is_never_given() -> No
 
     chair = Wheels()
     with pytest.raises(ValueError, match="commands nan m/s"):
-        drive(chair, Lost(), ticks(1), clock=SimulatedClock())
+        drive(chair, Lost(CHAIR), ticks(1), clock=SimulatedClock())
     assert chair.calls == [("observe", 0.0), ("stop", 0.0)]
 
 
@@ -122,13 +127,13 @@ def test_a_command_that_is_not_finite_stops_the_chair_and_is_never_given() -> No
 def test_a_period_that_is_none_is_refused_before_anything_moves(period: float) -> None:
     chair = Wheels()
     with pytest.raises(ValueError, match="period is"):
-        drive(chair, Unassisted(), ticks(1), period=period)
+        drive(chair, Unassisted(CHAIR), ticks(1), period=period)
     assert chair.calls == []
 
 
 def test_by_the_wall_clock_no_tick_comes_before_it_is_due() -> None:
     seen = ticks(3)
-    drive(Wheels(), Unassisted(), seen, period=0.02)
+    drive(Wheels(), Unassisted(CHAIR), seen, period=0.02)
     assert all(tick.stamp >= 0.02 * number for number, tick in enumerate(seen))
     clock = WallClock()
     assert 0 <= clock.wait_until(-1.0) < clock.wait_until(0.01)

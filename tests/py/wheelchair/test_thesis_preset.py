@@ -39,6 +39,9 @@ from lfdcore.wheelchair.planner import Planner
 from lfdcore.wheelchair.primitives.model import DriveAssistantModel
 from lfdcore.wheelchair.primitives.planner import PrimitivesPlanner, PrimitivesPlannerConfig
 from lfdcore.wheelchair.primitives.prediction import PathPredictionConfig, PathPredictor
+from observed import observed
+
+CHAIR = ChairGeometry.thesis()
 
 TABLE = Path(__file__).parents[3] / "docs" / "thesis-preset.md"
 PRESETS: dict[str, tuple[Any, Any]] = {
@@ -131,7 +134,7 @@ STICKS = [np.array(stick) for stick in ((0.8, 0.0), (0.6, 0.3), (0.25, -0.75), (
 def log(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """An expert's drive through the simulated home."""
     path, course = tmp_path_factory.mktemp("preset") / "home.mcap", home(2)
-    run_drive(course, ExpertDriver(course), Unassisted(), seed=1, log_path=path)
+    run_drive(course, ExpertDriver(course), Unassisted(CHAIR), seed=1, log_path=path)
     return open_log(path)
 
 
@@ -223,7 +226,7 @@ class Scene:
         world.reset(self.start)
         for tick, stick in enumerate(self.sticks):
             stamp, twist = tick / 10, world.state.twist
-            seen = Observation(stamp, world.scan(), stamp, world.odometry, twist, stick)
+            seen = observed(stamp, world.scan(), stick, pose=world.odometry, twist=twist)
             command = assistant.update(seen).command
             world.step(command, 0.1)
             yield command.linear, command.angular
@@ -265,7 +268,7 @@ def planned_paths(planner: Planner) -> Iterator[bytes]:
         grid = window(boxes)
         iy, ix = np.nonzero(grid.data)
         obstacles = ObstaclePoints(np.stack([ix + 0.5, iy + 0.5], axis=1) * 0.05 - 2.5)
-        plan = planner.plan(Observation(0.0, OPEN_SCAN, 0.0, Pose2(), Twist2(0.3, 0.0), stick), grid, obstacles)
+        plan = planner.plan(observed(0.0, OPEN_SCAN, stick, twist=Twist2(0.3, 0.0)), grid, obstacles)
         yield b"" if plan is None else plan.path.tobytes()
 
 
@@ -273,7 +276,7 @@ def landscapes(planner: HeatmapPlanner) -> Iterator[bytes]:
     """Values after Q-learning over the same windows: its last sweep shows in them, if not in a path."""
     for boxes, stick in WINDOWS:
         grid = window(boxes)
-        heat = planner.heat(Observation(0.0, OPEN_SCAN, 0.0, Pose2(), Twist2(), stick), grid)
+        heat = planner.heat(observed(0.0, OPEN_SCAN, stick), grid)
         assert heat is not None
         yield planner.solve(grid, heat, 0.25).values().tobytes()
 
@@ -290,20 +293,20 @@ def assistant_outcome(
     config: DriveAssistantConfig, model: DriveAssistantModel, heatmaps: HeatmapModel
 ) -> Iterator[Any]:
     """Drives along the paths of both methods."""
-    yield from driven(model.planner(), config)
-    yield from driven(heatmaps.planner(), config)
+    yield from driven(model.planner(CHAIR), config)
+    yield from driven(heatmaps.planner(CHAIR), config)
 
 
 def primitives_outcome(config: PrimitivesPlannerConfig, model: DriveAssistantModel) -> Iterator[Any]:
     """Paths in hand-made windows, drives along paths."""
-    planner = PrimitivesPlanner(model, config, ChairGeometry())
+    planner = PrimitivesPlanner(model, config, CHAIR)
     yield from planned_paths(planner)
     yield from driven(planner)
 
 
 def heatmaps_outcome(config: HeatmapPlannerConfig, model: HeatmapModel) -> Iterator[Any]:
     """As primitives', and what their paths are drawn from."""
-    planner = HeatmapPlanner(model, config, ChairGeometry())
+    planner = HeatmapPlanner(model, config, CHAIR)
     yield from planned_paths(planner)
     yield from landscapes(planner)
     yield from driven(planner)

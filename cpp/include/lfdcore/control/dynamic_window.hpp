@@ -28,13 +28,14 @@ struct DynamicWindowResult {
 
 /// The twist, among a grid spanning what `limits` let the chair reach from `current` in one period, whose roll-out over
 /// the horizon ends nearest to `goal` [m] (base_link) without the footprint touching an obstacle (points in base_link)
-/// at any step after the start. Ties: the lower linear, then the lower angular velocity. There is no initial best (the
-/// printed one, the current twist, may collide: ERRATA 47): if every candidate collides, the result brakes at the
-/// limit.
+/// at any step after the start. Ties (within 1 nm): the twist nearest to `wanted`; all turns on the spot end alike.
+/// There is no initial best (the printed one, the current twist, may collide: ERRATA 47): if every candidate collides,
+/// the result brakes at the limit.
 ///
 /// Throws std::invalid_argument for a non-finite twist or goal, or an invalid config or limits.
 DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vector2d& goal,
                                          const ObstaclePoints& obstacles, const Footprint& footprint,
-                                         const MotionLimits& limits, const DynamicWindowConfig& config = {});
+                                         const MotionLimits& limits, const DynamicWindowConfig& config = {},
+                                         const Twist2& wanted = {});
 
 }  // namespace lfdcore

@@ -45,7 +45,8 @@ class _Watched:
     """An adaptive assistant whose joystick model is asked at every tick, before it learns from it, and kept once."""
 
     def __init__(self, assistant: AdaptiveAssistant, after: float) -> None:
-        self.name, self._assistant, self._after = assistant.name, assistant, after
+        self.name, self.chair = assistant.name, assistant.chair
+        self._assistant, self._after = assistant, after
         self.wanted: list[tuple[float, float]] = []
         self.model_then: JoystickModel | None = None
 

@@ -86,4 +86,6 @@ def _faster(config: AbleConfig) -> ReversingConfig:
 
 
 def _assistant(arm: str, models: StudyModels, run: RunConfig) -> Assistant:
-    return TwoWayAssistant(models.of("heatmaps")) if arm == "two_way" else make_assistant(arm, models, run)
+    return (
+        TwoWayAssistant(models.of("heatmaps"), run.geometry) if arm == "two_way" else make_assistant(arm, models, run)
+    )

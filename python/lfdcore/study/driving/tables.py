@@ -19,7 +19,7 @@ from lfdcore.study.report.statistics import (
     paired_test,
 )
 from lfdcore.study.report.table import Row, Table
-from lfdcore.wheelchair.assistants import DynamicWindowAssistant
+from lfdcore.wheelchair.assistants import PROJECTION
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def horizon_note(arms: Sequence[str]) -> str:
     """What DWA's figures depend on most: its twists are held for longer than its goal lies ahead."""
     if "dwa" not in arms:
         return ""
-    horizon, ahead = DynamicWindowConfig().horizon, DynamicWindowAssistant().projection
+    horizon, ahead = DynamicWindowConfig().horizon, PROJECTION
     return (
         f" DWA's horizon is {horizon:g} s and its goal the input projected {ahead:g} s ahead (Sec. 3.5), so in the "
         f"open it drives at {ahead / horizon:.0%} of the asked speed."

@@ -86,12 +86,13 @@ def record_goal_drives(
     world, config = world or goal_building(), config or RunConfig()
     drivers = able_population(RUNS_EACH, seed)
     which = [(g, run) for g in range(len(world.goals)) for run in range(RUNS_EACH)]
+    unassisted = partial(Unassisted, config.geometry)
     jobs = []
     for g, run in which:
         name, number = world.goals.names[g], 1000 * seed + RUNS_EACH * g + run
         make_driver = partial(AbleDriver, config=drivers[_driver_of(g, run)])
         path = folder / f"goal-{g + 1}-{run + 1}.mcap"
-        jobs.append(Job(world.course(name, number), make_driver, Unassisted, number, config, path, name))
+        jobs.append(Job(world.course(name, number), make_driver, unassisted, number, config, path, name))
     traces = run_jobs(jobs, progress, processes)
     paths = tuple(job.log_path for job in jobs if job.log_path is not None)
     names = tuple(world.goals.names[g] for g, _ in which)

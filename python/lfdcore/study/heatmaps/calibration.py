@@ -69,7 +69,7 @@ def judged_cells(
     no log holds such a scan."""
     heats, crossings, runs = [], [], []
     for run, log in enumerate(logs):
-        chair = ChairGeometry(T_base_laser=log.T_base_laser)
+        chair = ChairGeometry.thesis(log.T_base_laser)
         planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair)
         due = -np.inf
         for now in observations(log):

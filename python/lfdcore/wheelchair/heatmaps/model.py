@@ -41,10 +41,10 @@ class HeatmapModel:
     joystick: JoystickModel
     metadata: dict[str, Any] = field(default_factory=dict)
 
-    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> HeatmapPlanner:
+    def planner(self, chair: ChairGeometry, *, thesis: bool = False) -> HeatmapPlanner:
         """See MethodModel; HeatmapPlanner takes any other config."""
         config = HeatmapPlannerConfig.thesis() if thesis else HeatmapPlannerConfig()
-        return HeatmapPlanner(self, config, chair or ChairGeometry())
+        return HeatmapPlanner(self, config, chair)
 
     def predictor(self) -> HeatmapPathPredictor:
         """See MethodModel; HeatmapPathPredictor takes any other config."""
@@ -91,7 +91,7 @@ class NaiveHeatmapModel:
     network: NaiveHeatmap
     metadata: dict[str, Any] = field(default_factory=dict)
 
-    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> NoReturn:
+    def planner(self, chair: ChairGeometry, *, thesis: bool = False) -> NoReturn:
         """ModelError: there is none."""
         raise ModelError("a naive heatmap drives nothing: it does not know when a driver agrees with a path")
 

@@ -112,7 +112,7 @@ class ProductPredictor:
     def predict(self, joystick: Floats, scan: LaserScan, T_base_laser: Pose2) -> Floats | None:
         """(26, 2) [m] in base_link from the origin, equally spaced; None for a stick at rest and where no heat is left.
         The planner's chair has its laser at T_base_laser."""
-        now = Observation(0.0, scan, 0.0, Pose2(), Twist2(0.0, 0.0), (float(joystick[0]), float(joystick[1])))
+        now = _as_if_at_rest(scan, joystick)
         heat = self._planner.heat(now, local_grid(scan, T_base_laser))
         return None if heat is None else heatmap_path(heat.intent)
 
@@ -137,3 +137,18 @@ def _limits(full: Twist2 | None) -> MotionLimits:
     if full is None:
         return MotionLimits()
     return MotionLimits(max_linear=full.linear, max_reverse=full.linear, max_angular=full.angular)
+
+
+def _as_if_at_rest(scan: LaserScan, joystick: Floats) -> Observation:
+    """A scan that stands alone, seen by a chair at the origin."""
+    stick = (float(joystick[0]), float(joystick[1]))
+    return Observation(
+        stamp=0.0,
+        scan=scan,
+        scan_stamp=0.0,
+        pose=Pose2(),
+        twist=Twist2(),
+        odometry_stamp=0.0,
+        joystick=stick,
+        joystick_stamp=0.0,
+    )

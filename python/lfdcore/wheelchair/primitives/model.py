@@ -58,10 +58,10 @@ class DriveAssistantModel:
     clearance: float = 0.0
     metadata: dict[str, Any] = field(default_factory=dict)
 
-    def planner(self, chair: ChairGeometry | None = None, *, thesis: bool = False) -> PrimitivesPlanner:
+    def planner(self, chair: ChairGeometry, *, thesis: bool = False) -> PrimitivesPlanner:
         """See MethodModel; PrimitivesPlanner takes any other config."""
         config = PrimitivesPlannerConfig.thesis() if thesis else PrimitivesPlannerConfig()
-        return PrimitivesPlanner(self, config, chair or ChairGeometry())
+        return PrimitivesPlanner(self, config, chair)
 
     def predictor(self) -> PathPredictor:
         """See MethodModel; PathPredictor takes any other config."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lfdcore.errors import ModelError
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.geometry import Twist2
 from lfdcore.simulated.biased_driver import BiasedDriver
 from lfdcore.simulated.courses import office
 from lfdcore.simulation import DrivingWorld
@@ -26,7 +26,10 @@ from lfdcore.study.study import as_document
 from lfdcore.wheelchair.adaptive_assistant import AdaptationConfig, AdaptiveAssistant, SteeringOffset
 from lfdcore.wheelchair.assistants import DriveAssistant
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
-from lfdcore.wheelchair.observation import Observation
+from lfdcore.wheelchair.observation import ChairGeometry
+from observed import observed
+
+CHAIR = ChairGeometry.thesis()
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +126,7 @@ def test_what_chance_explains_is_no_bias() -> None:
 
 def test_earlier_pairs_are_understood_anew(model: HeatmapModel) -> None:
     """A model kept after a minute must not hold what was believed before."""
-    assistant = AdaptiveAssistant(model)
+    assistant = AdaptiveAssistant(model, CHAIR)
     drive(assistant, 300)
     own, turn = assistant.adapter.own, assistant.turn
     there = own.count > 0.5
@@ -161,25 +164,25 @@ def drive(assistant: AdaptiveAssistant | DriveAssistant, ticks: int, bias: float
     for tick in range(ticks):
         given = driver.act(tick / 10, world.state.pose, world.state.twist, world.state.in_contact).joystick
         pose = world.odometry
-        seen = Observation(tick / 10, world.scan(), tick / 10, pose, Twist2(), (float(given[0]), float(given[1])))
+        seen = observed(tick / 10, world.scan(), (float(given[0]), float(given[1])), pose=pose)
         commands.append(tuple(assistant.update(seen).command))
         world.step(Twist2(*commands[-1]), 0.1)
     return commands
 
 
 def test_until_it_has_learned_it_drives_as_the_assistant_it_wraps(model: HeatmapModel) -> None:
-    assert drive(AdaptiveAssistant(model), 10) == drive(DriveAssistant(model.planner()), 10)
+    assert drive(AdaptiveAssistant(model, CHAIR), 10) == drive(DriveAssistant(model.planner(CHAIR)), 10)
 
 
 def test_a_driver_is_kept_over_drives_saved_resumed_and_forgotten(model: HeatmapModel, tmp_path: Path) -> None:
-    assistant, file = AdaptiveAssistant(model), tmp_path / "driver.safetensors"
+    assistant, file = AdaptiveAssistant(model, CHAIR), tmp_path / "driver.safetensors"
     drive(assistant, 300)
     assistant.reset()
     adapted, turn = assistant.adapter.model, assistant.turn
     assert assistant.planner.joystick.predict((0.7, 0.2)) == adapted.predict((0.7, 0.2))
     assert adapted is not model.joystick
     assistant.save_driver(file)
-    other = AdaptiveAssistant(model)
+    other = AdaptiveAssistant(model, CHAIR)
     other.resume_driver(file)
     assert other.planner.joystick is other.adapter.model
     assert other.turn == pytest.approx(turn, abs=0.1)  # recalled from the pairs, which hold the last half minute
@@ -188,23 +191,23 @@ def test_a_driver_is_kept_over_drives_saved_resumed_and_forgotten(model: Heatmap
 
 
 def test_a_file_that_holds_no_driver_changes_nothing(model: HeatmapModel, heatmap_model: Path) -> None:
-    assistant = AdaptiveAssistant(model)
+    assistant = AdaptiveAssistant(model, CHAIR)
     with pytest.raises(ModelError):
         assistant.resume_driver(heatmap_model)
     assert assistant.planner.joystick is model.joystick
 
 
 def test_a_stick_at_rest_and_a_stale_scan_teach_nothing(model: HeatmapModel) -> None:
-    assistant, world = AdaptiveAssistant(model), DrivingWorld(office().grid, seed=1)
+    assistant, world = AdaptiveAssistant(model, CHAIR), DrivingWorld(office().grid, seed=1)
     world.reset(office().start)
     scan = world.scan()
-    assistant.update(Observation(0.0, scan, 0.0, Pose2(), Twist2(), (0.0, 0.0)))
-    assistant.update(Observation(1.0, scan, 0.0, Pose2(), Twist2(), (0.5, 0.0)))
+    assistant.update(observed(0.0, scan, (0.0, 0.0)))
+    assistant.update(observed(1.0, scan, (0.5, 0.0), scan_stamp=0.0))
     assert assistant.adapter.own.count.sum() == 0
 
 
 def test_memory_is_bounded_by_the_bins(model: HeatmapModel) -> None:
-    assistant = AdaptiveAssistant(model)
+    assistant = AdaptiveAssistant(model, CHAIR)
     drive(assistant, 200)
     assert assistant.adapter.own.count.shape == (100,)
     assert assistant.adapter.own.count.sum() <= assistant.adaptation.adapter.memory + 1

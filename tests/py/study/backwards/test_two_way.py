@@ -17,6 +17,9 @@ from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.two_way_assistant import TwoWayAssistant, sees_all_around, turned, turned_chair
+from observed import observed
+
+CHAIR = ChairGeometry.thesis()
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +31,7 @@ def observe(joystick: tuple[float, float], lidar: LidarConfig = AROUND, twist: T
     world = DrivingWorld(hall().grid, lidar=lidar, seed=1)
     pose = Pose2(4.0, 2.0, 0.0)
     world.reset(pose)
-    return Observation(0.0, world.scan(), 0.0, pose, twist or Twist2(), joystick)
+    return observed(0.0, world.scan(), joystick, pose=pose, twist=twist or Twist2())
 
 
 def test_the_whole_way_backwards_is_driven_along_planned_paths_without_contact(
@@ -74,8 +77,8 @@ def test_a_model_is_learned_for_the_arm_that_needs_one_alone(
 
 
 def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: HeatmapModel) -> None:
-    assistant = TwoWayAssistant(model)
-    alone = DriveAssistant(model.planner())
+    assistant = TwoWayAssistant(model, CHAIR)
+    alone = DriveAssistant(model.planner(CHAIR))
     seen = observe((-0.5, 0.1), LidarConfig())
     said, expected = assistant.update(seen), alone.update(seen)
     assert said.mode == expected.mode == "reverse" and said.command == expected.command
@@ -83,20 +86,20 @@ def test_a_scanner_that_sees_ahead_only_leaves_reversing_to_the_user(model: Heat
 
 def test_a_stick_ahead_is_answered_as_by_the_assistant_alone(model: HeatmapModel) -> None:
     seen = observe((0.6, 0.1))
-    said, expected = TwoWayAssistant(model).update(seen), DriveAssistant(model.planner()).update(seen)
+    said, expected = TwoWayAssistant(model, CHAIR).update(seen), DriveAssistant(model.planner(CHAIR)).update(seen)
     assert said.mode == expected.mode == "path" and said.command == expected.command
     np.testing.assert_array_equal(said.path, expected.path)
 
 
 def test_a_path_for_a_stick_behind_leads_behind_and_is_followed_backwards(model: HeatmapModel) -> None:
-    said = TwoWayAssistant(model).update(observe((-0.6, 0.1)))
+    said = TwoWayAssistant(model, CHAIR).update(observe((-0.6, 0.1)))
     assert said.mode == "path" and said.path is not None and said.control_point is not None
     assert said.path[-1, 0] < 4.0 and said.control_point[0] < 0 and said.command.linear < 0
 
 
 def test_a_turn_on_the_spot_while_reversing_is_the_users_own(model: HeatmapModel) -> None:
     """... so that it does not become a path ahead."""
-    assistant = TwoWayAssistant(model)
+    assistant = TwoWayAssistant(model, CHAIR)
     assistant.update(observe((-0.6, 0.0)))
     said = assistant.update(replace(observe((0.0, 0.5)), stamp=0.1, scan_stamp=0.1))
     assert said.mode == "reverse" and said.command.linear == 0.0 and said.command.angular > 0
@@ -108,8 +111,8 @@ def test_all_heatmaps_reach_behind_the_chair_where_the_scan_does(model: HeatmapM
     """The window is full; the user's heatmap has always reached behind, by the movement template's reverse arcs."""
     for lidar, behind in ((LidarConfig(), False), (AROUND, True)):
         seen = observe((-0.6, 0.0), lidar)
-        planner = HeatmapPlanner(model, HeatmapPlannerConfig(), ChairGeometry())
-        grid = local_grid(seen.scan, ChairGeometry().T_base_laser)
+        planner = HeatmapPlanner(model, HeatmapPlannerConfig(), CHAIR)
+        grid = local_grid(seen.scan, CHAIR.T_base_laser)
         heat = planner.heat(seen, grid)
         assert heat is not None
         assert ((grid.data[:, :45] == 0).mean() > 0.3) == behind
@@ -118,7 +121,7 @@ def test_all_heatmaps_reach_behind_the_chair_where_the_scan_does(model: HeatmapM
 
 
 def test_what_a_turned_chair_observes_is_the_same_place() -> None:
-    chair, seen = ChairGeometry(), observe((-0.6, 0.1), twist=Twist2(-0.3, 0.2))
+    chair, seen = CHAIR, observe((-0.6, 0.1), twist=Twist2(-0.3, 0.2))
     back = turned(seen)
     assert back.joystick == (0.6, 0.1) and tuple(back.twist) == (0.3, 0.2)
     same = seen.pose * chair.T_base_laser, back.pose * turned_chair(chair).T_base_laser

@@ -16,6 +16,9 @@ from lfdcore.simulated.trace import DriveTrace
 from lfdcore.study.arms import StudyModels
 from lfdcore.study.driving.tasks import TaskPlan, run_task_plan, task_row
 from lfdcore.wheelchair.assistants import Unassisted
+from lfdcore.wheelchair.observation import ChairGeometry
+
+CHAIR = ChairGeometry.thesis()
 
 
 def docked_pose(task_seed: int) -> Pose2:
@@ -49,7 +52,7 @@ def test_a_driver_is_not_done_at_the_routes_end_but_at_the_tasks() -> None:
 @pytest.fixture(scope="module")
 def trace() -> DriveTrace:
     task = narrow_gap(1)
-    return run_drive(task.course, TaskDriver(task, ImpairedConfig()), Unassisted(), 1)
+    return run_drive(task.course, TaskDriver(task, ImpairedConfig()), Unassisted(CHAIR), 1)
 
 
 def test_success_is_reached_without_any_contact(trace: DriveTrace) -> None:

@@ -20,6 +20,9 @@ from lfdcore.simulation import ChairConfig
 from lfdcore.study.goals.drives import RUNS_EACH, SEED, GoalDrives, noisy_joystick, perturbed_poses, record_goal_drives
 from lfdcore.study.goals.tables import drives_table
 from lfdcore.wheelchair.assistants import Unassisted
+from lfdcore.wheelchair.observation import ChairGeometry
+
+CHAIR = ChairGeometry.thesis()
 
 sticks = arrays.arrays(float, st.tuples(st.integers(0, 20), st.just(2)), elements=st.floats(-1, 1))
 poses = arrays.arrays(float, st.tuples(st.integers(1, 20), st.just(3)), elements=st.floats(-50, 50))
@@ -125,7 +128,7 @@ def test_a_log_holds_the_destination_and_the_true_pose_in_the_map(drives: GoalDr
 def test_the_pose_in_the_map_stays_true_when_the_odometry_slips(tmp_path: Path) -> None:
     course = goal_building().course("G3", 0)
     config = RunConfig(chair=ChairConfig(linear_slip=0.1, angular_slip=0.1))
-    trace = run_drive(course, AbleDriver(course), Unassisted(), 0, config, tmp_path / "slip.mcap", "G3")
+    trace = run_drive(course, AbleDriver(course), Unassisted(config.geometry), 0, config, tmp_path / "slip.mcap", "G3")
     log = open_log(tmp_path / "slip.mcap")
     assert (
         np.hypot(*(course.start * Pose2(*log.pose[-1])).transform(np.zeros((1, 2)))[0] - trace.pose[-1, :2]).max() > 0.2
@@ -137,7 +140,7 @@ def test_a_drive_can_be_made_again_from_its_seed_alone(drives: GoalDrives, tmp_p
     k = 6 * 2 + 1  # the second drive to G3: by driver (1 + 2) mod 6
     course = goal_building().course("G3", 1000 * SEED + k)
     driver = AbleDriver(course, able_population(RUNS_EACH, SEED)[3])
-    again = run_drive(course, driver, Unassisted(), 1000 * SEED + k)
+    again = run_drive(course, driver, Unassisted(CHAIR), 1000 * SEED + k)
     assert again.pose.tobytes() == drives.traces[k].pose.tobytes()
     with pytest.raises(ValueError, match="seed must be >= 0"):
         record_goal_drives(tmp_path, seed=-1)

@@ -24,7 +24,8 @@ ANGLES = -math.pi / 2 + math.radians(1) * np.arange(181)
 
 
 def drive(course: Course, path: Path, goal: str) -> DriveLog:
-    run_drive(course, AbleDriver(course), Unassisted(), 3, RunConfig(chair=SLIPPING), path, goal)
+    run = RunConfig(chair=SLIPPING)
+    run_drive(course, AbleDriver(course), Unassisted(run.geometry), 3, run, path, goal)
     return open_log(path)
 
 

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan, ObstaclePoints, OccupancyGrid, local_grid
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.heatmaps.planner import HeatmapPlanner, HeatmapPlannerConfig
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
+from observed import observed
 from synthetic_drive import L_WALLS, T_BASE_LASER, cast
 
 POSE = Pose2(0.013, 0.007, 0.0)
@@ -17,7 +18,7 @@ POSE = Pose2(0.013, 0.007, 0.0)
 
 @pytest.fixture(scope="module")
 def planner(heatmap_model: Path) -> HeatmapPlanner:
-    return HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig(), ChairGeometry())
+    return HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig(), ChairGeometry.thesis())
 
 
 def seen(stick: tuple[float, float], ranges: np.ndarray | None = None) -> Observation:
@@ -26,7 +27,7 @@ def seen(stick: tuple[float, float], ranges: np.ndarray | None = None) -> Observ
         ranges = cast(np.array([laser.x, laser.y]), laser.yaw + np.radians(np.arange(181) - 90.0), L_WALLS)
         ranges = np.where(ranges < 30, ranges, np.inf)
     scan = LaserScan(ranges.astype(np.float32), -np.pi / 2, np.pi / 180, 0.0, 30.0)
-    return Observation(0.0, scan, 0.0, POSE, Twist2(), stick)
+    return observed(0.0, scan, stick, pose=POSE)
 
 
 def around(observation: Observation) -> tuple[OccupancyGrid, ObstaclePoints]:
@@ -94,7 +95,7 @@ def test_compliance_falls_with_the_angle_from_the_stick(planner: HeatmapPlanner)
 
 def test_the_printed_compliance_is_the_user_heatmaps_value_at_the_control_point(heatmap_model: Path) -> None:
     """ERRATA 29: it holds the distance filter, so even where the stick points a look-ahead on it stays under .9."""
-    printed = HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig.thesis(), ChairGeometry())
+    printed = HeatmapPlanner(HeatmapModel.load(heatmap_model), HeatmapPlannerConfig.thesis(), ChairGeometry.thesis())
     stick, observation = np.array([0.8, 0.1]), seen((0.8, 0.1))
     heat = printed.heat(observation, around(observation)[0])
     assert heat is not None

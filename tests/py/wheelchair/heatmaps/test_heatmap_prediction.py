@@ -76,7 +76,7 @@ def test_a_stick_out_of_range_is_refused(predictor):
 def test_compliance_is_the_planner_s(model, predictor):
     full = full_deflection_of(model)
     limits = MotionLimits(max_linear=full.linear, max_reverse=full.linear, max_angular=full.angular)
-    planner = HeatmapPlanner(model, HeatmapPlannerConfig(), dataclasses.replace(ChairGeometry(), limits=limits))
+    planner = HeatmapPlanner(model, HeatmapPlannerConfig(), dataclasses.replace(ChairGeometry.thesis(), limits=limits))
     points = np.random.default_rng(2).uniform(-0.8, 0.8, (30, 2))
     for stick in (AHEAD, LEFT):
         np.testing.assert_allclose(predictor.compliances(points, stick), planner.compliances(points, stick))

@@ -1,0 +1,46 @@
+"""Which commands act before the one that is given now."""
+
+import pytest
+
+from lfdcore.geometry import Twist2
+from lfdcore.wheelchair.pending import PendingCommands
+
+
+def given(latency: float, at: list[float]) -> PendingCommands:
+    """Commands of 1, 2, .. m/s."""
+    pending = PendingCommands(latency)
+    for k, stamp in enumerate(at):
+        pending.at(stamp)
+        pending.give(stamp, Twist2(k + 1.0, 0.0))
+    return pending
+
+
+def said(pending: PendingCommands, stamp: float) -> list[tuple[float, float]]:
+    return [(twist.linear, pytest.approx(duration)) for twist, duration in pending.at(stamp)]
+
+
+def test_without_latency_a_command_acts_at_once() -> None:
+    assert given(0.0, [0.0, 0.1]).at(0.2) == []
+
+
+def test_all_that_was_given_within_the_latency_comes_first() -> None:
+    assert said(given(0.3, [0.0, 0.1, 0.2, 0.3, 0.4]), 0.5) == [(3.0, 0.1), (4.0, 0.1), (5.0, 0.1)]
+
+
+def test_what_acts_now_goes_on_until_the_next_does() -> None:
+    assert said(given(0.15, [0.0, 0.1, 0.2]), 0.3) == [(2.0, 0.05), (3.0, 0.1)]
+
+
+def test_ticks_that_did_not_come_prolong_the_last_command() -> None:
+    assert said(given(0.1, [0.0]), 0.5) == [(1.0, 0.1)]
+
+
+def test_the_durations_add_up_to_the_latency_once_it_has_passed() -> None:
+    pending = given(0.25, [0.0, 0.07, 0.2, 0.21, 0.34])
+    assert sum(duration for _, duration in pending.at(0.4)) == pytest.approx(0.25)
+
+
+def test_a_reset_forgets() -> None:
+    pending = given(0.3, [0.0])
+    pending.reset()
+    assert pending.at(0.1) == []
