@@ -1,6 +1,7 @@
 # make demo   an assistant learned from demonstrations -> a driver in a course never seen; ends with a table and report.html
 #             TRAIN=1 learns its models first, for which it installs torch; else they are those that come with the package
 # make test   builds, then runs gtest and pytest
+# make safety   hostile sticks for hours: collisions per 100 km, counted and printed; goes on where it was stopped
 # make check | format | figures | stubs | models | benchmark   for developers, see CONTRIBUTING.md
 # All install what is missing: system packages through apt where that is allowed, the rest into .venv.
 
@@ -10,13 +11,15 @@ BIN := $(VENV)/bin
 TORCH := torch==2.13.0
 LINTED := python tests/py benchmarks examples tools
 BUILD_WITHOUT_TESTS := --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
+# runs of an hour, of each stick in each course under each condition by each assistant
+SAFETY_RUNS := 1
 SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
 
 # an extra of pyproject.toml, and what lfdcore demo takes
 DEMO_EXTRA := $(if $(filter-out 0,$(TRAIN)),train,study)
 DEMO_OPTION := $(if $(filter-out 0,$(TRAIN)),--train)
 
-.PHONY: demo test check format figures stubs models benchmark clean
+.PHONY: demo test check format figures safety stubs models benchmark clean
 
 demo: $(VENV)/.installed-$(DEMO_EXTRA)
 	$(BIN)/lfdcore demo --output demo $(DEMO_OPTION)
@@ -31,6 +34,7 @@ check: $(VENV)/.installed-test
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	$(BIN)/mypy
 	$(BIN)/python tools/make_architecture.py --check
+	$(BIN)/python tools/make_safety.py --check
 
 format: $(VENV)/.installed-test
 	$(BIN)/ruff check --fix $(LINTED)
@@ -39,6 +43,11 @@ format: $(VENV)/.installed-test
 
 figures: $(VENV)/.installed-test
 	$(BIN)/python -m pytest -n 2 -v -m "figures or not figures" tests/py/study/test_figures.py
+
+safety: $(VENV)/.installed-test
+	$(BIN)/lfdcore study safety --output safety --assistants none,supervisor,primitives,heatmaps \
+	  --model python/lfdcore/models/primitives.safetensors --model python/lfdcore/models/heatmaps.safetensors \
+	  --runs $(SAFETY_RUNS) --seconds 3600
 
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py

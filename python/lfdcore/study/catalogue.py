@@ -24,6 +24,7 @@ STUDIES = {
     "learning-curve": "LearningCurveStudy",
     "adaptation": "AdaptationStudy",
     "backwards": "BackwardsStudy",
+    "safety": "SafetyStudy",
 }
 """Command -> config, in lfdcore.study.COMMAND.study; lfdcore.study.COMMAND.report has `run`."""
 

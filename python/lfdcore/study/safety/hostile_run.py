@@ -1,0 +1,185 @@
+"""One hostile run: a stick at a chair in a course for some minutes; what it touched, and where it stood still."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfdcore.datasets.whole_file import whole_file
+from lfdcore.geometry import Pose2
+from lfdcore.grid import LaserScan, read_beams
+from lfdcore.simulated.chair import SimulatedChair
+from lfdcore.simulated.courses import Course, course_by_name
+from lfdcore.simulated.courses.routes import clearance_field
+from lfdcore.simulated.drivers import StickHolder
+from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, RandomStick
+from lfdcore.simulated.people import People
+from lfdcore.simulation import DrivingWorld
+from lfdcore.study.arms import StudyModels, make_assistant
+from lfdcore.study.safety.conditions import CONDITIONS
+from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, drive
+from lfdcore.wheelchair.watch import HALTS
+
+STICKS = ("random", "adversarial", "held")
+BESIDE = 0.3
+"""[m] A held stick begins where something is this near."""
+MOVING = 0.01
+"""[m/s] (and [rad/s]) from which a chair moves"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostileCounts:
+    """What one run came to."""
+
+    distance: float
+    """[m] that the axle went"""
+    seconds: float
+    collisions: int
+    """with what stands, where a scan had shown something"""
+    unseen_collisions: int
+    """with what stands, where no scan had shown anything: the chair creeps into such space"""
+    nose_met_seen: int
+    """contacts in which the moving nose met a person whom the scan had shown for a second"""
+    people_met: int
+    moving: float
+    """share of the ticks in which the chair moved"""
+    halted: float
+    """share of the ticks in a mode in which it stops"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostileRun:
+    """A job of the study. Its counts are kept in a file of `folder`, and read from there a second time."""
+
+    arm: str
+    condition: str
+    stick: str
+    course: str
+    seed: int
+    seconds: float
+    models: StudyModels
+    folder: Path
+
+    def about(self) -> dict[str, str | int | float]:
+        """What tells runs apart."""
+        names = ("arm", "condition", "stick", "course", "seed", "seconds")
+        return {name: getattr(self, name) for name in names}
+
+    def run(self) -> HostileCounts:
+        """-> the counts, driven unless they are kept already"""
+        kept = self._kept()
+        if kept is not None:
+            return kept
+        counts = self._drive()
+        with whole_file(self._file(), "counts") as path:
+            path.write_text(json.dumps({**self.about(), **asdict(counts)}, indent=1) + "\n")
+        return counts
+
+    def _file(self) -> Path:
+        words = "-".join(str(value) for value in self.about().values())
+        return self.folder / f"run-{''.join(c if c.isalnum() else '-' for c in words)}.json"
+
+    def _kept(self) -> HostileCounts | None:
+        if not self._file().exists():
+            return None
+        said = json.loads(self._file().read_text())
+        return HostileCounts(**{name: said[name] for name in HostileCounts.__dataclass_fields__})
+
+    def _drive(self) -> HostileCounts:
+        run = CONDITIONS[self.condition].run
+        course = course_by_name(self.course, 1)
+        start = somewhere(course, self.seed, BESIDE if self.stick == "held" else math.inf)
+        course = replace(course, start=start)
+        people = None if run.people is None else People(course.grid, run.people, (start.x, start.y), self.seed)
+        stick = hostile(self.stick, course, self.seed)
+        chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
+        count = _Count(chair, self.seconds)
+        drive(chair, make_assistant(self.arm, self.models, run), count, period=run.period, clock=SimulatedClock())
+        return count.result()
+
+
+class ShownCells:
+    """Where scans have shown something, in the map: cells of .1 m."""
+
+    SIDE = 0.1
+
+    def __init__(self) -> None:
+        self._cells: set[tuple[int, int]] = set()
+
+    def add(self, laser: Pose2, scan: LaserScan) -> None:
+        """A scan taken at `laser`, T_map_laser."""
+        lengths, hit = read_beams(scan)
+        angles = scan.angles()[hit] + laser.yaw
+        ends = np.array([laser.x, laser.y]) + lengths[hit, None] * np.stack([np.cos(angles), np.sin(angles)], 1)
+        self._cells.update(map(tuple, np.floor(ends / self.SIDE).astype(int).tolist()))
+
+    def near(self, point: NDArray[np.float64]) -> bool:
+        """Whether anything was shown in the cell of a point (2,) [m, map] or one beside it."""
+        ix, iy = np.floor(point / self.SIDE).astype(int).tolist()
+        return any((ix + dx, iy + dy) in self._cells for dx in (-1, 0, 1) for dy in (-1, 0, 1))
+
+
+class _Count:
+    """Of the ticks of a run; called with each, it says whether that was the last."""
+
+    def __init__(self, chair: SimulatedChair, seconds: float) -> None:
+        self._chair, self._seconds = chair, seconds
+        self._ticks = self._moving = self._halted = 0
+        self._collisions = [0, 0]
+        self._shown = ShownCells()
+        self._distance = self._stamp = 0.0
+
+    def __call__(self, tick: Tick) -> bool:
+        truth, twist = self._chair.truth, self._chair.truth.state.twist
+        self._chair.show(tick.assistance.mode, tick.stamp)
+        self._ticks += 1
+        if truth.collision:
+            self._collisions[self._shown.near(truth.state.contact_point)] += 1
+        laser = truth.state.pose * self._chair.geometry.T_base_laser
+        self._shown.add(laser, tick.observation.scan)
+        self._moving += math.hypot(twist.linear, twist.angular) > MOVING
+        self._halted += tick.assistance.mode in HALTS
+        self._distance, self._stamp = truth.state.distance, tick.stamp
+        return tick.stamp >= self._seconds
+
+    def result(self) -> HostileCounts:
+        met = self._chair.people_met()
+        return HostileCounts(
+            distance=self._distance,
+            seconds=self._stamp,
+            collisions=self._collisions[True],
+            unseen_collisions=self._collisions[False],
+            nose_met_seen=sum(one.foreseeable for one in met),
+            people_met=len(met),
+            moving=self._moving / self._ticks,
+            halted=self._halted / self._ticks,
+        )
+
+
+def hostile(stick: str, course: Course, seed: int) -> StickHolder:
+    """Who sits there. A held stick is drawn from `seed`, half of them ahead."""
+    if stick == "random":
+        return RandomStick()
+    if stick == "adversarial":
+        return AdversarialStick(course)
+    forward, left = np.random.default_rng([seed, 0x4E]).uniform(-1, 1, 2)
+    return HeldStick((float(abs(forward) if seed % 2 else forward), float(left)))
+
+
+def somewhere(course: Course, seed: int, beside: float = math.inf) -> Pose2:
+    """A pose [map] drawn from `seed` at which the chair touches nothing, with something within `beside` [m] of its
+    outline."""
+    random = np.random.default_rng([seed, 0x51])
+    world = DrivingWorld(course.grid)
+    roomy = np.argwhere(clearance_field(course.grid) > 0.4)
+    while True:
+        iy, ix = roomy[random.integers(len(roomy))]
+        x, y = np.array(course.grid.origin) + (np.array([ix, iy]) + random.random(2)) * course.grid.resolution
+        pose = Pose2(float(x), float(y), float(random.uniform(-math.pi, math.pi)))
+        if not world.touches(pose, 0.05) and (math.isinf(beside) or world.touches(pose, beside)):
+            return pose

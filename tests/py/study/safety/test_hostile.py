@@ -1,0 +1,111 @@
+"""Hostile sticks: the same seed gives the same stick, what is kept is not driven again, and the rival collides."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.progress import silent
+from lfdcore.simulated.courses import home
+from lfdcore.simulated.drivers import StickHolder
+from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, RandomStick
+from lfdcore.simulation import DrivingWorld
+from lfdcore.study.safety.conditions import CONDITIONS
+from lfdcore.study.safety.hostile_run import somewhere
+from lfdcore.study.safety.report import findings
+from lfdcore.study.safety.study import SafetyStudy, run_safety_study
+
+SMALL = SafetyStudy(
+    conditions=("as declared",), courses=("home",), sticks=("random", "held"), runs=1, seconds=40, processes=1
+)
+
+
+def sticks(holder: StickHolder, seed: int) -> list[tuple[float, float]]:
+    holder.reset(seed)
+    given = [holder.act(k / 10, Pose2(8.0, 3.0, 0.1 * k), Twist2(), False) for k in range(100)]
+    return [(float(one.joystick[0]), float(one.joystick[1])) for one in given]
+
+
+@pytest.mark.parametrize("holder", [HeldStick((0.7, 0.7)), RandomStick(), AdversarialStick(home())])
+def test_the_same_seed_gives_the_same_stick_within_its_stops(holder: StickHolder) -> None:
+    first = sticks(holder, 1)
+    assert first == sticks(holder, 1)
+    assert np.abs(first).max() <= 1
+
+
+@pytest.mark.parametrize("holder", [RandomStick(), AdversarialStick(home())])
+def test_another_seed_gives_another_stick(holder: StickHolder) -> None:
+    assert sticks(holder, 1) != sticks(holder, 2)
+
+
+def test_the_adversary_steers_at_what_is_nearest() -> None:
+    """Facing a wall .5 m ahead it goes there, and not away."""
+    course = home()
+    world = DrivingWorld(course.grid)
+    facing = next(
+        pose
+        for pose in (somewhere(course, seed, 0.4) for seed in range(200))
+        if world.touches(Pose2(pose.x + 0.5 * math.cos(pose.yaw), pose.y + 0.5 * math.sin(pose.yaw), pose.yaw))
+        and not world.touches(pose, 0.2)
+    )
+    stick = AdversarialStick(course)
+    stick.reset(1)
+    assert math.hypot(*stick.act(0.0, facing, Twist2(), False).joystick) > 0.3
+
+
+def test_a_start_touches_nothing_and_lies_beside_something_where_asked() -> None:
+    course = home()
+    world = DrivingWorld(course.grid)
+    for seed in range(20):
+        pose = somewhere(course, seed, 0.3)
+        assert not world.touches(pose, 0.05)
+        assert world.touches(pose, 0.3)
+
+
+def test_what_is_kept_is_not_driven_again_and_says_the_same(tmp_path: Path) -> None:
+    first = run_safety_study(SMALL, tmp_path)
+    files = sorted((tmp_path / "runs").glob("*.json"))
+    assert len(files) == len(first.runs) == 4
+    kept = json.loads(files[0].read_text())
+    files[0].write_text(json.dumps({**kept, "collisions": 1234}))
+    again = run_safety_study(SMALL, tmp_path)
+    assert sorted(one.collisions for one in again.counts)[-1] == 1234
+    files[0].write_text(json.dumps(kept))
+    assert run_safety_study(SMALL, tmp_path).counts == first.counts
+
+
+@pytest.mark.hazard("Hostile sticks, chairs that are not as they should be", "no collision with what stands")
+@pytest.mark.parametrize("condition", [name for name, one in CONDITIONS.items() if one.promised])
+def test_a_small_share_of_make_safety(condition: str, tmp_path: Path) -> None:
+    study = replace(SMALL, conditions=(condition,), sticks=("random", "adversarial", "held"), seconds=60)
+    result = run_safety_study(study, tmp_path)
+    assert sum(one.collisions for one in result.of(arm="supervisor")) == 0
+    assert sum(one.collisions for one in result.of(arm="none")) > 0
+    assert sum(one.distance for one in result.of(arm="supervisor")) > 10
+
+
+def test_the_report_says_what_was_driven_and_which_condition_promises_nothing(tmp_path: Path) -> None:
+    study = replace(SMALL, conditions=("as declared", "20 beams"))
+    found = findings(run_safety_study(study, tmp_path, silent))
+    (table,) = found.tables
+    assert [row[0] for row in table.rows] == ["as declared", "as declared", "20 beams †", "20 beams †"]
+    assert all(aim.reached for aim in found.aims)
+    assert len(found.rows) == 8
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"conditions": ("fog",)}, "condition is 'fog'"),
+        ({"sticks": ("kind",)}, "stick is 'kind'"),
+        ({"arms": ("nobody",)}, "assistant is 'nobody'"),
+        ({"seconds": 1}, "seconds is 1"),
+    ],
+)
+def test_a_study_that_cannot_be_is_refused_by_name(options: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        SafetyStudy(**options)  # type: ignore[arg-type]
