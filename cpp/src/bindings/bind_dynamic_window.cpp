@@ -31,7 +31,8 @@ void bind_dynamic_window(py::module_& m) {
         "Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from "
         "`current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the "
         "footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot "
-        "do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).\n\nRaises ValueError for a non-finite twist or goal.");
+        "do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).\n\nRaises "
+        "ValueError for a non-finite twist or goal.");
 }
 
 }  // namespace lfdcore
