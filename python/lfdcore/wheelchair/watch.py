@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.control import SupervisorConfig
 from lfdcore.geometry import Pose2, Twist2, approach, wrap_angle
 from lfdcore.grid import LaserScan, read_beams
 from lfdcore.wheelchair.observation import PERIOD, ChairGeometry, Observation
@@ -26,6 +27,8 @@ HALTS = (SILENT, STALE, BLIND, LATE, FAULT)
 """The modes in which every assistant stops"""
 UNTIL_NEUTRAL = (SILENT, FAULT)
 """Of these, what only a stick at neutral ends"""
+_SUPERVISOR = SupervisorConfig()
+"""Whose jitter and creeping the watch shares"""
 FAR_AHEAD = 0.05
 """[s] A stamp later than now by more than this has no age."""
 
@@ -41,7 +44,7 @@ class WatchConfig:
     stale_periods: float = 2.5
     late_after: float = 0.35
     """Ticks farther apart than this [s] stop the chair ..."""
-    jitter: float = 0.05
+    jitter: float = _SUPERVISOR.jitter
     """... and those farther apart than the period by more than this [s] slow it down, in proportion."""
     period: float = PERIOD
     """[s] between ticks, as they are meant to come"""
@@ -53,9 +56,9 @@ class WatchConfig:
     """A sector of whose beams less than this share measured anything makes the scan blind; one without beams too."""
     seen_within: float = 1.0
     """Creep only, where no scan for so long [s] has hit anything: an unplugged scanner says the same."""
-    creep_linear: float = 0.1
+    creep_linear: float = _SUPERVISOR.creep_linear
     """Creeping: not faster than this [m/s] ..."""
-    creep_angular: float = 0.2
+    creep_angular: float = _SUPERVISOR.creep_angular
     """... and this [rad/s]."""
     ramp: float = 1.0
     """[s] from standstill to the full command, after a stop that ended by itself"""

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lfdcore.geometry import Pose2, Twist2
+from lfdcore.geometry import MotionLimits, Pose2, Twist2, integrate
 from lfdcore.progress import silent
 from lfdcore.simulated.courses import home
 from lfdcore.simulated.drivers import StickHolder
 from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, RandomStick
-from lfdcore.simulation import DrivingWorld
+from lfdcore.simulation import DrivingWorld, joystick_to_twist
 from lfdcore.study.safety.conditions import CONDITIONS
 from lfdcore.study.safety.hostile_run import somewhere
 from lfdcore.study.safety.report import findings
@@ -43,7 +43,7 @@ def test_another_seed_gives_another_stick(holder: StickHolder) -> None:
 
 
 def test_the_adversary_steers_at_what_is_nearest() -> None:
-    """Facing a wall .5 m ahead it goes there, and not away."""
+    """With a wall .5 m ahead, it finds a way into something within its horizon."""
     course = home()
     world = DrivingWorld(course.grid)
     facing = next(
@@ -54,7 +54,10 @@ def test_the_adversary_steers_at_what_is_nearest() -> None:
     )
     stick = AdversarialStick(course)
     stick.reset(1)
-    assert math.hypot(*stick.act(0.0, facing, Twist2(), False).joystick) > 0.3
+    forward, left = stick.act(0.0, facing, Twist2(), False).joystick
+    twist = joystick_to_twist(forward, left, MotionLimits())
+    ways = [integrate(facing, twist, share * AdversarialStick.HORIZON) for share in (0.25, 0.5, 1.0)]
+    assert any(world.touches(pose, 0.05) for pose in ways)
 
 
 def test_a_start_touches_nothing_and_lies_beside_something_where_asked() -> None:
