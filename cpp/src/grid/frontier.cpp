@@ -33,6 +33,8 @@ Mask open_mask(const Mask& mask, int width) {
   return around(around(mask, reach, both), reach, either);
 }
 
+Mask grown_mask(const Mask& mask, int reach) { return around(mask, reach, either); }
+
 Mask edge_of(const Mask& mask) {
   const Mask inside_row = along_rows(mask, 1, both);
   const Mask inside_column = along_rows(mask.transpose(), 1, both).transpose();

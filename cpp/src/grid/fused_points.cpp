@@ -75,6 +75,7 @@ FusedPoints::Match FusedPoints::match(const BeamHit& hit) const {
 FusedPoints::Fused FusedPoints::fuse(const BeamHit& hit) {
   auto [index, behind] = match(hit);
   bool fresh = index < 0;
+  double stood = 0;
   if (fresh && behind) return {nullptr, false};
   if (fresh) {
     index = static_cast<std::int32_t>(points_.size());
@@ -83,10 +84,11 @@ FusedPoints::Fused FusedPoints::fuse(const BeamHit& hit) {
   } else {
     unlink(index);
     average(points_[index], hit);
+    stood = hit.stamp - points_[index].since;
     fresh = follow_drift(points_[index], hit);
   }
   link(index);
-  return {&points_[index], fresh};
+  return {&points_[index], fresh, stood};
 }
 
 void FusedPoints::average(FusedPoint& point, const BeamHit& hit) {

@@ -1,5 +1,6 @@
 #include "lfdcore/grid/rolling_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -25,7 +26,8 @@ constexpr double recent = 3;           // [s] how long before a person stepped i
 constexpr double settling = 3;         // [s] of hits, after which it is as good as furniture
 constexpr double fading = 3;           // [s] after which it is forgotten, unless it has settled
 constexpr double kin_distance = 0.06;  // [m] a point is of the same thing as another so near ...
-constexpr double settled_age = 1;      // [s] ... not young, if that has stood there for so long ...
+constexpr double settled_age = 1;      // [s] ... not young, if that has stood there for so long, or as long as ...
+constexpr double slipping = 2;         // ... so many times the odometry's error lets a thing stand ...
 constexpr double kin_age = 0.5;        // [s] ... else young, if that is and was hit so recently
 
 constexpr double own_depth = 0.03;      // [m] inside the outline
@@ -38,6 +40,7 @@ constexpr std::size_t most_places = 10;
 constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen space ...
 constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
 constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
+constexpr double unsure_seen = 0.1;  // [m] by which the odometry may be wrong before what was seen no longer counts
 
 double distance_outside(const Footprint& body, double x, double y) {
   const double beyond = std::max({x - body.front, -body.rear - x, 0.0});
@@ -65,7 +68,7 @@ void RollingMap::clear() {
   taken_.clear();
   first_taken_ = 0;
   last_scan_ = 0;
-  recent_scan_ = 1;
+  recent_scan_ = sure_scan_ = 1;
 }
 
 void RollingMap::insert(double stamp, const LaserScan& scan, const Pose2& T_base_laser, const Pose2& T_odom_base) {
@@ -107,6 +110,15 @@ void RollingMap::count_scan(double stamp, const Pose2& T_odom_base) {
   ++last_scan_;
   recent_scan_ = std::max(recent_scan_, oldest_scan());
   while (taken(recent_scan_).stamp < stamp - recent) ++recent_scan_;
+  sure_scan_ = std::max(sure_scan_, oldest_scan());
+  while (sure_scan_ < last_scan_ && odometry_error(taken(sure_scan_)) > unsure_seen) ++sure_scan_;
+}
+
+// By how much [m] the odometry may have put what the robot can sweep over in a wrong place, since a scan.
+double RollingMap::odometry_error(const Taken& then) const {
+  const Taken& now = taken_.back();
+  const double lever = config_.own_body ? config_.own_body->outer_radius() : 1.0;
+  return config_.odometry_error * (std::hypot(now.x - then.x, now.y - then.y) + std::abs(now.turn - then.turn) * lever);
 }
 
 // Moves the rest to the front now and then, so that the buffer stops growing.
@@ -138,19 +150,30 @@ void RollingMap::add_hits(const Pose2& T_odom_laser) {
     if (!ray.hit || ray.length > 2 * farthest) continue;
     const double x = T_odom_laser.x + ray.length * ray.dx, y = T_odom_laser.y + ray.length * ray.dy;
     if (cells_.at(x, y) == nullptr) continue;
-    const auto [point, fresh] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_});
+    const auto [point, fresh, stood] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_});
     if (point == nullptr) continue;
     if (fresh)
-      point->young = point->young || is_young(*point);
+      point->young = point->young || (stood < settled_for(ray.length) && is_young(*point, ray.length));
     else if (point->young && stamp - point->since >= settling)
       point->young = false;
   }
 }
 
-bool RollingMap::is_young(const FusedPoint& point) const {
+// How long [s] a point must have stood to be no person's: 1 s, or less where odometry that is wrong makes furniture at
+// this distance walk.
+double RollingMap::settled_for(double distance) const {
+  if (taken_.size() < first_taken_ + 2) return settled_age;
+  const Taken &now = taken_.back(), &before = taken_[taken_.size() - 2];
+  const double moved = std::hypot(now.x - before.x, now.y - before.y) + std::abs(now.turn - before.turn) * distance;
+  const double walked = std::max(slipping * config_.odometry_error * moved, 1e-9), passed = now.stamp - before.stamp;
+  return std::min(settled_age, passed * std::max(FusedPoints::across / walked - 1, 0.0));
+}
+
+bool RollingMap::is_young(const FusedPoint& point, double distance) const {
+  const double age = settled_for(distance);
   const auto near = [&](auto is) { return points_.any_near(point.x, point.y, kin_distance, is); };
-  if (near([](const FusedPoint& p) { return !p.young && p.misses == 0 && p.seen - p.since >= settled_age; }))
-    return false;
+  const auto stands = [&](const FusedPoint& p) { return p.misses == 0 || point.seen - p.seen <= kin_age; };
+  if (near([&](const FusedPoint& p) { return !p.young && stands(p) && p.seen - p.since >= age; })) return false;
   return cells_.clear_around(point.x, point.y, recent_scan_) ||
          near([&](const FusedPoint& p) { return p.young && point.seen - p.seen <= kin_age; });
 }
@@ -173,8 +196,27 @@ void RollingMap::drop_stale(const LaserScan& scan, const Pose2& T_odom_laser) {
   points_.drop_if([&](FusedPoint& point) {
     if (point.scan == last_scan_) return false;
     if (point.scan < oldest || (point.young && now - point.seen > fading)) return true;
-    if (!seen_through(point, scan, T_odom_laser)) return false;
+    if (!is_gone(point, scan, T_odom_laser)) return false;
     return point.hits <= FusedPoints::doubtful_hits || ++point.misses >= misses_to_drop;
+  });
+}
+
+// Beams go on behind it. Where it may lie elsewhere by now, because odometry was wrong, it was hit there, or they go on
+// behind all those places too.
+bool RollingMap::is_gone(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) {
+  if (!seen_through(point, scan, T_odom_laser)) return false;
+  places_.assign(1, {0, 0});
+  if (config_.odometry_error > 0) add_odometry_errors(point, taken_.back(), places_);
+  double farthest_place = 0;
+  for (const auto& [x, y] : places_) farthest_place = std::max(farthest_place, std::hypot(x, y));
+  if (farthest_place <= FusedPoints::across) return true;
+  const auto just_hit = [&](const FusedPoint& p) { return p.scan == last_scan_; };
+  if (points_.any_near(point.x, point.y, farthest_place + FusedPoints::across, just_hit)) return true;
+  return std::all_of(places_.begin(), places_.end(), [&](const Shift& shift) {
+    FusedPoint there = point;
+    there.x += shift.x;
+    there.y += shift.y;
+    return seen_through(there, scan, T_odom_laser);
   });
 }
 
@@ -274,7 +316,10 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
   const double corner_x = coarse * std::floor((T_odom_base.x - half) / coarse);
   const double corner_y = coarse * std::floor((T_odom_base.y - half) / coarse);
   const auto side = static_cast<Eigen::Index>(std::ceil(2 * half / coarse)) + 1;
-  const Mask edge = edge_of(open_mask(unknown_around(T_odom_base, body, side, corner_x, corner_y), crack));
+  const Mask hit = with_points(side, corner_x, corner_y);
+  const Mask unknown = unknown_around(T_odom_base, body, side, corner_x, corner_y) && !hit;
+  // Behind a face, what is narrow is no gap between beams but the inside of a thing.
+  const Mask edge = edge_of(open_mask(unknown, crack) || (unknown && grown_mask(hit, crack)));
   const Pose2 T_base_odom = T_odom_base.inverse();
   Path points(edge.count(), 2);
   Eigen::Index count = 0;
@@ -292,11 +337,10 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
 
 Mask RollingMap::unknown_around(const Pose2& T_odom_base, const Footprint& body, Eigen::Index side, double corner_x,
                                 double corner_y) const {
-  const ScanNumber oldest = last_scan_ == 0 ? 1 : oldest_scan();
   const Pose2 T_base_odom = T_odom_base.inverse();
   const auto seen = [&](double x, double y) {
     const SeenCells::State* cell = cells_.at(x, y);
-    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= oldest;
+    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= sure_scan_;
   };
   Mask unknown(side, side);
   for (Eigen::Index iy = 0; iy < side; ++iy)
@@ -308,12 +352,17 @@ Mask RollingMap::unknown_around(const Pose2& T_odom_base, const Footprint& body,
                         !seen(x - quarter, y + quarter) && !seen(x + quarter, y + quarter) &&
                         distance_outside(body, place.x(), place.y()) > under_body;
     }
+  return unknown;
+}
+
+Mask RollingMap::with_points(Eigen::Index side, double corner_x, double corner_y) const {
+  Mask mask = Mask::Constant(side, side, false);
   for (const FusedPoint& point : points_.points()) {
     const auto ix = static_cast<Eigen::Index>(std::floor((point.x - corner_x) / coarse));
     const auto iy = static_cast<Eigen::Index>(std::floor((point.y - corner_y) / coarse));
-    if (ix >= 0 && iy >= 0 && ix < side && iy < side) unknown(iy, ix) = false;
+    if (ix >= 0 && iy >= 0 && ix < side && iy < side) mask(iy, ix) = true;
   }
-  return unknown;
+  return mask;
 }
 
 OccupancyGrid RollingMap::local_grid(const Pose2& T_odom_base) const {

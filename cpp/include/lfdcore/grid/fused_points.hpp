@@ -49,6 +49,7 @@ class FusedPoints {
   struct Fused {
     FusedPoint* point;  ///< null: the hit was no point
     bool fresh;         ///< new there, or moved
+    double stood = 0;   ///< [s] how long it had stood before it moved
   };
 
   /// noise: sd of a range [m]; side: of the square that all points lie in, in buckets, a power of two.

@@ -31,9 +31,11 @@ void validate(const RollingMapConfig& config);
 /// - `duration` after its last hit, or when the square leaves it behind;
 /// - when beams go on behind it, by more than 3 standard errors: one that passes within 0.01 m of it and goes on by 15
 ///   times that distance more (a wall under a grazing beam does the same), or two on both sides of it, at most 0.03 m
-///   apart. Once for a point of 1 or 2 hits, in 3 scans without a hit between for others;
+///   apart. Once for a point of 1 or 2 hits, in 3 scans without a hit between for others. Where the odometry's error
+///   may have moved it by more than 0.015 m, it must have been hit there, or beams go on behind the other places too;
 /// - 3 s after its last hit, if it is young: if it stands where beams had passed, surely and densely, all around within
-///   the last 3 s, and no point that has stood for 1 s lies within 0.06 m. So a person who walks out of view is
+///   the last 3 s, and no point that has stood for 1 s lies within 0.06 m (less than 1 s, where the odometry's error
+///   would make a thing that stands there walk). So a person who walks out of view is
 ///   forgotten, and what comes into view from behind a corner is not. What is hit for 3 s without moving is no longer
 ///   young.
 ///
@@ -55,10 +57,11 @@ class RollingMap {
   ObstaclePoints obstacles(const Pose2& T_odom_base) const;
 
   /// The edge of the space that nothing is known of: the centres, in base_link, of the cells of 0.05 m that no beam has
-  /// passed or ended in within `duration`, next to ones that are known, no farther from the outline of `body` than
-  /// `reach` [m]. What lies under the body is known, and what was under `own_body` in any of the scans. Gaps of less
-  /// than 0.25 m, as between the beams of a scan, count as seen. Throws std::invalid_argument for a pose that is not
-  /// finite, a footprint beyond 100 m or a reach outside [0, 10] m.
+  /// passed or ended in within `duration`, or since the odometry's error may have come to 0.1 m, next to ones that are
+  /// known, no farther from the outline of `body` than `reach` [m]. What lies under the body is known, and what was
+  /// under `own_body` in any of the scans. Gaps of less than 0.25 m, as between the beams of a scan, count as seen, but
+  /// not within 0.25 m of a point: there they are the inside and the far side of a thing. Throws std::invalid_argument
+  /// for a pose that is not finite, a footprint beyond 100 m or a reach outside [0, 10] m.
   ObstaclePoints unseen(const Pose2& T_odom_base, const Footprint& body, double reach) const;
 
   /// The window around base_link, 100 x 100 cells: occupied where a remembered point lies, else free where the cell
@@ -92,6 +95,7 @@ class RollingMap {
 
   void count_scan(double stamp, const Pose2& T_odom_base);
   void forget_old_stamps(double stamp);
+  double odometry_error(const Taken& then) const;
   Taken at(double stamp, const Pose2& T_odom_base) const;
   const Taken& taken(ScanNumber scan) const { return taken_[taken_.size() - 1 - (last_scan_ - scan)]; }
   ScanNumber oldest_scan() const { return last_scan_ + 1 - static_cast<ScanNumber>(taken_.size() - first_taken_); }
@@ -99,9 +103,11 @@ class RollingMap {
   void read_rays(const LaserScan& scan, const Pose2& T_base_laser, double yaw);
   bool own(const Pose2& T_base_laser, double angle, double length) const;
   void add_hits(const Pose2& T_odom_laser);
-  bool is_young(const FusedPoint& point) const;
+  double settled_for(double distance) const;
+  bool is_young(const FusedPoint& point, double distance) const;
   void mark_free(const Pose2& T_odom_laser);
   void drop_stale(const LaserScan& scan, const Pose2& T_odom_laser);
+  bool is_gone(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser);
   bool seen_through(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) const;
   bool any_through(Passing& passing, std::size_t from, std::size_t to) const;
 
@@ -109,14 +115,17 @@ class RollingMap {
   void add_odometry_errors(const FusedPoint& point, const Taken& now, std::vector<Shift>& places) const;
   Mask unknown_around(const Pose2& T_odom_base, const Footprint& body, Eigen::Index side, double corner_x,
                       double corner_y) const;
+  Mask with_points(Eigen::Index side, double corner_x, double corner_y) const;
 
   RollingMapConfig config_;
   SeenCells cells_;
   FusedPoints points_;
   std::vector<Ray> rays_;
+  std::vector<Shift> places_;
   std::vector<Taken> taken_;  // of the scans not older than duration, from first_taken_ on
   std::size_t first_taken_ = 0;
-  ScanNumber last_scan_ = 0, recent_scan_ = 1;  // recent: the first of the last few seconds
+  // recent: the first of the last few seconds; sure: the first since which odometry cannot be much wrong
+  ScanNumber last_scan_ = 0, recent_scan_ = 1, sure_scan_ = 1;
   double last_yaw_ = 0;
 };
 

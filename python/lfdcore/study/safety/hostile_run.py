@@ -104,9 +104,9 @@ class HostileRun:
 
 
 class ShownCells:
-    """Where scans have shown something, in the map: cells of .1 m."""
+    """Where scans have shown something, in the map: cells of .05 m."""
 
-    SIDE = 0.1
+    SIDE = 0.05
 
     def __init__(self) -> None:
         self._cells: set[tuple[int, int]] = set()
