@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import re
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import redirect_stdout
@@ -17,10 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from made_part import ROOT, renew
 
-ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "safety.md"
-BEGIN, END = "<!-- made by tools/make_safety.py -->", "<!-- end -->"
 GTEST = re.compile(
     r"// hazard: (?P<hazard>[^|\n]+) \| requirement:\s(?P<requirement>(?:[^|]|\|w\||\|stick\|)+?)\s(?:// )?\| "
     r"count: (?P<count>[^\n]+)\n"
@@ -83,16 +80,5 @@ def table() -> str:
     return "\n".join(["| hazard | requirement | test | count |", "|---|---|---|---|", *rows])
 
 
-def written(page: str) -> str:
-    """The page with its table as it is to be."""
-    before, rest = page.split(BEGIN)
-    return f"{before}{BEGIN}\n\n{table()}\n\n{END}{rest.split(END)[1]}"
-
-
 if __name__ == "__main__":
-    old = PAGE.read_text()
-    new = written(old)
-    if "--check" in sys.argv and new != old:
-        sys.exit(f"{PAGE.relative_to(ROOT)} is out of date: run python tools/make_safety.py")
-    if new != old:
-        PAGE.write_text(new)
+    renew("safety.md", Path(__file__).name, table())
