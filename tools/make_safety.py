@@ -1,7 +1,8 @@
 """Makes the table of docs/safety.md from the tests' own markers: hazard -> requirement -> test -> count.
 
 python tools/make_safety.py writes it; with --check it writes nothing and fails where it is out of date. A test says
-what it is evidence for by @pytest.mark.hazard(hazard, requirement); in a gtest's file, a comment above the TEST:
+what it is evidence for by @pytest.mark.hazard(hazard, requirement), and by each=WHAT what each of its cases counts. In
+a gtest's file it is a comment above the TEST:
 // hazard: HAZARD | requirement: REQUIREMENT | count: WHAT
 """
 
@@ -38,7 +39,7 @@ class _Marked:
     """Collects the marked tests of a pytest session."""
 
     def __init__(self) -> None:
-        self.cases: Counter[tuple[str, str, str]] = Counter()
+        self.cases: Counter[tuple[str, str, str, str]] = Counter()
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         for item in items:
@@ -46,7 +47,7 @@ class _Marked:
                 hazard, requirement = mark.args
                 path = item.path.relative_to(ROOT).as_posix()
                 name = getattr(item, "originalname", item.name)
-                self.cases[hazard, requirement, f"[{name}](../{path})"] += 1
+                self.cases[hazard, requirement, f"[{name}](../{path})", mark.kwargs.get("each", "")] += 1
 
 
 def from_pytest() -> list[Evidence]:
@@ -58,7 +59,12 @@ def from_pytest() -> list[Evidence]:
         code = pytest.main(["--collect-only", "-q", "-p", "no:cacheprovider", *files], plugins=[marked])
     if code != 0:
         raise ValueError(f"pytest cannot collect: {said.getvalue()}")
-    return [Evidence(*about, "1 case" if n == 1 else f"{n} cases") for about, n in marked.cases.items()]
+    return [Evidence(*about, _cases(n, each)) for (*about, each), n in marked.cases.items()]
+
+
+def _cases(count: int, each: str) -> str:
+    cases = "1 case" if count == 1 else f"{count} cases"
+    return f"{cases} of {each}" if each else cases
 
 
 def from_gtests() -> Iterator[Evidence]:
