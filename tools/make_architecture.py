@@ -7,19 +7,17 @@ from __future__ import annotations
 
 import ast
 import re
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "architecture.md"
+from made_part import ROOT, renew
+
 HEADERS, PACKAGE = ROOT / "cpp" / "include" / "lfdcore", ROOT / "python" / "lfdcore"
 CPP = ("", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics")
 PYTHON = ("", "models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study", "cli")
 """Folders from the bottom up; '' are the files beside them. A folder that is not here is an error."""
 ABBREVIATIONS = ("App", "Sec", "Fig", "Alg", "Eq", "Ch", "cf")
 """Their full stop ends no sentence."""
-BEGIN, END = "<!-- made by tools/make_architecture.py -->", "<!-- end -->"
 
 
 def first_sentence(text: str) -> str:
@@ -80,16 +78,5 @@ def tables() -> str:
     return "\n\n".join([table("C++", cpp), table("Python (`python/lfdcore/`)", python)])
 
 
-def written(page: str) -> str:
-    """The page with its tables as they are to be."""
-    before, rest = page.split(BEGIN)
-    return f"{before}{BEGIN}\n\n{tables()}\n\n{END}{rest.split(END)[1]}"
-
-
 if __name__ == "__main__":
-    old = PAGE.read_text()
-    new = written(old)
-    if "--check" in sys.argv and new != old:
-        sys.exit(f"{PAGE.relative_to(ROOT)} is out of date: run python tools/make_architecture.py")
-    if new != old:
-        PAGE.write_text(new)
+    renew("architecture.md", Path(__file__).name, tables())

@@ -1,7 +1,8 @@
 """Makes the table of docs/safety.md from the tests' own markers: hazard -> requirement -> test -> count.
 
 python tools/make_safety.py writes it; with --check it writes nothing and fails where it is out of date. A test says
-what it is evidence for by @pytest.mark.hazard(hazard, requirement); in a gtest's file, a comment above the TEST:
+what it is evidence for by @pytest.mark.hazard(hazard, requirement), and by each=WHAT what each of its cases counts. In
+a gtest's file it is a comment above the TEST:
 // hazard: HAZARD | requirement: REQUIREMENT | count: WHAT
 """
 
@@ -9,7 +10,6 @@ from __future__ import annotations
 
 import io
 import re
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import redirect_stdout
@@ -17,10 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from made_part import ROOT, renew
 
-ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "safety.md"
-BEGIN, END = "<!-- made by tools/make_safety.py -->", "<!-- end -->"
 GTEST = re.compile(
     r"// hazard: (?P<hazard>[^|\n]+) \| requirement:\s(?P<requirement>(?:[^|]|\|w\||\|stick\|)+?)\s(?:// )?\| "
     r"count: (?P<count>[^\n]+)\n"
@@ -41,7 +39,7 @@ class _Marked:
     """Collects the marked tests of a pytest session."""
 
     def __init__(self) -> None:
-        self.cases: Counter[tuple[str, str, str]] = Counter()
+        self.cases: Counter[tuple[str, str, str, str]] = Counter()
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         for item in items:
@@ -49,7 +47,7 @@ class _Marked:
                 hazard, requirement = mark.args
                 path = item.path.relative_to(ROOT).as_posix()
                 name = getattr(item, "originalname", item.name)
-                self.cases[hazard, requirement, f"[{name}](../{path})"] += 1
+                self.cases[hazard, requirement, f"[{name}](../{path})", mark.kwargs.get("each", "")] += 1
 
 
 def from_pytest() -> list[Evidence]:
@@ -61,7 +59,12 @@ def from_pytest() -> list[Evidence]:
         code = pytest.main(["--collect-only", "-q", "-p", "no:cacheprovider", *files], plugins=[marked])
     if code != 0:
         raise ValueError(f"pytest cannot collect: {said.getvalue()}")
-    return [Evidence(*about, "1 case" if n == 1 else f"{n} cases") for about, n in marked.cases.items()]
+    return [Evidence(*about, _cases(n, each)) for (*about, each), n in marked.cases.items()]
+
+
+def _cases(count: int, each: str) -> str:
+    cases = "1 case" if count == 1 else f"{count} cases"
+    return f"{cases} of {each}" if each else cases
 
 
 def from_gtests() -> Iterator[Evidence]:
@@ -83,16 +86,5 @@ def table() -> str:
     return "\n".join(["| hazard | requirement | test | count |", "|---|---|---|---|", *rows])
 
 
-def written(page: str) -> str:
-    """The page with its table as it is to be."""
-    before, rest = page.split(BEGIN)
-    return f"{before}{BEGIN}\n\n{table()}\n\n{END}{rest.split(END)[1]}"
-
-
 if __name__ == "__main__":
-    old = PAGE.read_text()
-    new = written(old)
-    if "--check" in sys.argv and new != old:
-        sys.exit(f"{PAGE.relative_to(ROOT)} is out of date: run python tools/make_safety.py")
-    if new != old:
-        PAGE.write_text(new)
+    renew("safety.md", Path(__file__).name, table())

@@ -23,6 +23,8 @@ LEAST_NOISE = 0.002
 """[m] No scanner is declared to be better."""
 READING = 0.5
 """[s] until a driver has read the display"""
+FOOT = 0.02
+"""[m] radius of what the scanner sees of the driver's foot"""
 
 
 @dataclass(frozen=True)
@@ -58,18 +60,30 @@ def geometry_of(chair: ChairConfig, lidar: LidarConfig, scan_period: float) -> C
 
 @dataclass(frozen=True, kw_only=True)
 class ScannerFaults:
-    """What a cheap scanner does beside its noise. ValueError names a field out of range."""
+    """What a cheap scanner does beside its noise, and what it always sees. ValueError names a field out of range."""
 
     period: float = 0.0
     """[s] between scans at the least; 0: one a tick"""
     dropped: float = 0.0
     """Share of the beams that measure nothing (NaN), drawn anew each scan"""
+    foot: tuple[float, float] | None = None
+    """Where the driver's foot is [m, base_link], a disc of `FOOT` that the beams do not get past; None: out of view"""
 
     def __post_init__(self) -> None:
         if not 0 <= self.period <= 10:
             raise ValueError(f"period is {self.period} s, must lie in [0, 10]")
         if not 0 <= self.dropped <= 1:
             raise ValueError(f"dropped is {self.dropped}, must be a share in [0, 1]")
+        if self.foot is not None and not all(map(math.isfinite, self.foot)):
+            raise ValueError(f"foot is at {self.foot} m, must be finite")
+
+
+def ranges_to_disc(centre: NDArray[np.float64], radius: float, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far beams (B,) [rad] from the origin go until they meet a disc about `centre` (2,) [m] -> (B,) [m], inf for
+    those that miss it."""
+    along = centre[0] * np.cos(angles) + centre[1] * np.sin(angles)
+    half_chord = np.sqrt(np.maximum(radius**2 - (centre @ centre - along**2), 0))
+    return np.where((half_chord > 0) & (along > 0), np.maximum(along - half_chord, 0), np.inf)
 
 
 class SimulatedChair:
@@ -148,12 +162,20 @@ class SimulatedChair:
 
     def _with_faults(self, scan: LaserScan) -> LaserScan:
         self._scans += 1
-        if self._faults.dropped == 0:
+        if self._faults.dropped == 0 and self._faults.foot is None:
             return scan
         ranges = np.array(scan.ranges)
+        if self._faults.foot is not None:
+            ranges = np.minimum(ranges, self._foot_ranges(scan.angles(), *self._faults.foot))
         random = np.random.default_rng([self._seed, self._scans, 0xD])
         ranges[random.random(len(ranges)) < self._faults.dropped] = np.nan
         return LaserScan(ranges.tolist(), scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+
+    def _foot_ranges(self, angles: NDArray[np.float64], x: float, y: float) -> NDArray[np.float64]:
+        """(B,) [m] to the foot at (x, y) [m, base_link], with the scanner's noise; inf for beams that miss it"""
+        foot = self.geometry.T_base_laser.inverse() * Pose2(x, y, 0.0)
+        noise = np.random.default_rng([self._seed, self._scans, 0xF]).normal(0, self._world.lidar.noise_sd, len(angles))
+        return np.maximum(ranges_to_disc(np.array([foot.x, foot.y]), FOOT, angles) + noise, 0)
 
     def people_met(self) -> tuple[PersonMet, ...]:
         """The contacts with people since the start."""

@@ -15,7 +15,6 @@ from lfdcore.wheelchair.assistants import (
     Assistant,
     DriveAssistant,
     DynamicWindowAssistant,
-    SeeingAssistant,
     Supervised,
     Unassisted,
 )
@@ -311,35 +310,3 @@ def test_a_watch_that_never_looks_is_refused_by_name(field: str) -> None:
     for value in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match=field):
             WatchConfig(**{field: value})
-
-
-class Blunt(SeeingAssistant):
-    """Gives what the stick asks for, with no supervisor: only the watch stands between."""
-
-    name = "blunt"
-
-    def _decide(self, observation: Observation, obstacles: Any) -> Assistance:
-        return Assistance(Twist2(observation.joystick[0], observation.joystick[1]), "user")
-
-
-@pytest.mark.hazard("Streams stop, repeat, jitter, go back", "no command but 0 on anything older than stated")
-@pytest.mark.parametrize("seed", range(20))
-def test_whatever_the_stamps_do_nothing_moves_that_is_older_than_stated(seed: int) -> None:
-    """Random schedules of silence, jitter, repeats and clocks set back, on a virtual clock."""
-    random = np.random.default_rng(seed)
-    assistant = Blunt(CHAIR, supervisor=None)
-    scan = scan_at(Pose2())
-    now, newest = 0.0, {"scan_stamp": 0.0, "odometry_stamp": 0.0, "joystick_stamp": 0.0}
-    for _ in range(500):
-        now += float(random.choice([0.1, 0.1, 0.1, 0.05, 0.2, 0.0, 0.5, -1e-9, -2.0], p=[0.4, 0.2, 0.1, *[0.05] * 6]))
-        for stream in newest:
-            if random.random() < 0.7:
-                newest[stream] = now - float(random.choice([0.0, 0.05, 0.3]))
-        stamps: dict[str, Any] = {k: None if random.random() < 0.02 else v for k, v in newest.items()}
-        stick = AHEAD if random.random() < 0.7 else (0.0, 0.0)
-        said = assistant.update(observed(now, scan, stick, **stamps))
-        if any(said.command):
-            ages = {k: now - v for k, v in stamps.items()}
-            assert ages["joystick_stamp"] <= CONFIG.silent_after
-            assert ages["scan_stamp"] <= CONFIG.stale_periods * CHAIR.scan_period
-            assert ages["odometry_stamp"] <= CONFIG.stale_after

@@ -24,13 +24,13 @@ th, td { padding: .3rem .55rem; border-bottom: 1px solid #e4e7eb; text-align: ri
 th { background: #f4f6f8; } th:first-child, td:first-child { text-align: left; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; white-space: nowrap; } small { color: #59636e; }
 small b { color: var(--missed); } th small { font-size: .92em; color: #3d444d; }
-code { font: .92em "DejaVu Sans Mono", monospace; }
+code { font: .92em "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 .lead { font-weight: 600; border-left: 4px solid var(--result); padding: .1rem 0 .1rem .8rem; }
 .note { color: #59636e; font-size: .84rem; margin-top: .2rem; } .wide { overflow-x: auto; }
 figure { margin: 1.6rem 0; } figcaption { color: #3d444d; font-size: .88rem; max-width: 58rem; }
 img { max-width: 100%; height: auto; }
 @media (max-width: 600px) { caption, th:first-child, td:first-child { white-space: normal; }
-  th:first-child, td:first-child { position: sticky; left: 0; background: #fff; } }
+  th:first-child, td:first-child { position: sticky; left: 0; min-width: 7rem; } td:first-child { background: #fff; } }
 @media print { body { max-width: none; margin: 0; } figure, table { break-inside: avoid; } }
 """
 )

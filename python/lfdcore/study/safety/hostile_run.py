@@ -19,17 +19,18 @@ from lfdcore.simulated.courses.routes import clearance_field
 from lfdcore.simulated.drivers import StickHolder
 from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, RandomStick
 from lfdcore.simulated.people import People
+from lfdcore.simulated.unsteady_clock import UnsteadyClock
 from lfdcore.simulation import DrivingWorld
 from lfdcore.study.arms import StudyModels, make_assistant
 from lfdcore.study.safety.conditions import CONDITIONS
-from lfdcore.wheelchair.drive_loop import SimulatedClock, Tick, drive
+from lfdcore.study.safety.standing import STANDS_BELOW, Standing
+from lfdcore.wheelchair.drive_loop import Tick, drive
+from lfdcore.wheelchair.observation import ChairGeometry
 from lfdcore.wheelchair.watch import HALTS
 
 STICKS = ("random", "adversarial", "held")
 BESIDE = 0.3
 """[m] A held stick begins where something is this near."""
-MOVING = 0.01
-"""[m/s] (and [rad/s]) from which a chair moves"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +51,8 @@ class HostileCounts:
     """share of the ticks in which the chair moved"""
     halted: float
     """share of the ticks in a mode in which it stops"""
+    stood: int
+    """times that it stood though a free motion was asked for (Standing)"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,38 +88,49 @@ class HostileRun:
         return self.folder / f"run-{''.join(c if c.isalnum() else '-' for c in words)}.json"
 
     def _kept(self) -> HostileCounts | None:
+        """None also for what another version of the study counted."""
         if not self._file().exists():
             return None
         said = json.loads(self._file().read_text())
-        return HostileCounts(**{name: said[name] for name in HostileCounts.__dataclass_fields__})
+        names = HostileCounts.__dataclass_fields__
+        return HostileCounts(**{name: said[name] for name in names}) if names.keys() <= said.keys() else None
 
     def _drive(self) -> HostileCounts:
-        run = CONDITIONS[self.condition].run
+        condition = CONDITIONS[self.condition]
+        run = condition.run
         course = course_by_name(self.course, 1)
         start = somewhere(course, self.seed, BESIDE if self.stick == "held" else math.inf)
         course = replace(course, start=start)
         people = None if run.people is None else People(course.grid, run.people, (start.x, start.y), self.seed)
         stick = hostile(self.stick, course, self.seed)
         chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
-        count = _Count(chair, self.seconds)
-        drive(chair, make_assistant(self.arm, self.models, run), count, period=run.period, clock=SimulatedClock())
+        count = _Count(chair, Standing(course.grid, run), self.seconds)
+        clock = UnsteadyClock(condition.ticks, self.seed)
+        drive(chair, make_assistant(self.arm, self.models, run), count, period=run.period, clock=clock)
         return count.result()
 
 
 class ShownCells:
-    """Where scans have shown something, in the map: cells of .05 m."""
+    """Where scans have shown something in the map: cells of .05 m."""
 
     SIDE = 0.05
 
-    def __init__(self) -> None:
+    def __init__(self, chair: ChairGeometry) -> None:
+        self._chair = chair
         self._cells: set[tuple[int, int]] = set()
 
-    def add(self, laser: Pose2, scan: LaserScan) -> None:
-        """A scan taken at `laser`, T_map_laser."""
+    def add(self, pose: Pose2, scan: LaserScan) -> None:
+        """A scan of a chair at `pose`, T_map_base. What it hits inside the outline is the driver's, not the map's."""
         lengths, hit = read_beams(scan)
-        angles = scan.angles()[hit] + laser.yaw
-        ends = np.array([laser.x, laser.y]) + lengths[hit, None] * np.stack([np.cos(angles), np.sin(angles)], 1)
+        angles = scan.angles()[hit]
+        ends = self._chair.T_base_laser.transform(lengths[hit, None] * np.stack([np.cos(angles), np.sin(angles)], 1))
+        ends = pose.transform(ends[~self._inside(ends)])
         self._cells.update(map(tuple, np.floor(ends / self.SIDE).astype(int).tolist()))
+
+    def _inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(N,) whether points (N, 2) [m, base_link] lie inside the outline"""
+        body, (x, y) = self._chair.footprint, points.T
+        return np.asarray((x < body.front) & (x > -body.rear) & (np.abs(y) < body.half_width))
 
     def near(self, point: NDArray[np.float64]) -> bool:
         """Whether anything was shown in the cell of a point (2,) [m, map] or one beside it."""
@@ -127,11 +141,11 @@ class ShownCells:
 class _Count:
     """Of the ticks of a run; called with each, it says whether that was the last."""
 
-    def __init__(self, chair: SimulatedChair, seconds: float) -> None:
-        self._chair, self._seconds = chair, seconds
+    def __init__(self, chair: SimulatedChair, standing: Standing, seconds: float) -> None:
+        self._chair, self._standing, self._seconds = chair, standing, seconds
         self._ticks = self._moving = self._halted = 0
         self._collisions = [0, 0]
-        self._shown = ShownCells()
+        self._shown = ShownCells(chair.geometry)
         self._distance = self._stamp = 0.0
 
     def __call__(self, tick: Tick) -> bool:
@@ -140,9 +154,10 @@ class _Count:
         self._ticks += 1
         if truth.collision:
             self._collisions[self._shown.near(truth.state.contact_point)] += 1
-        laser = truth.state.pose * self._chair.geometry.T_base_laser
-        self._shown.add(laser, tick.observation.scan)
-        self._moving += math.hypot(twist.linear, twist.angular) > MOVING
+        if tick.observation.scan_stamp == tick.stamp:
+            self._shown.add(truth.state.pose, tick.observation.scan)
+        self._standing.add(tick, truth)
+        self._moving += math.hypot(twist.linear, twist.angular) > STANDS_BELOW
         self._halted += tick.assistance.mode in HALTS
         self._distance, self._stamp = truth.state.distance, tick.stamp
         return tick.stamp >= self._seconds
@@ -158,6 +173,7 @@ class _Count:
             people_met=len(met),
             moving=self._moving / self._ticks,
             halted=self._halted / self._ticks,
+            stood=self._standing.times,
         )
 
 

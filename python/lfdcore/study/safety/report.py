@@ -4,60 +4,102 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from math import nan
 from pathlib import Path
 
+from lfdcore.control import SupervisorConfig
 from lfdcore.pictures.course import arm_name
 from lfdcore.progress import StageProgress
-from lfdcore.study.report.aims import Aim
+from lfdcore.study.report.aims import Aim, reached_of
+from lfdcore.study.report.cells import figure_cell
 from lfdcore.study.report.page import Section
 from lfdcore.study.report.statistics import poisson_rate
 from lfdcore.study.report.table import Row, Table
 from lfdcore.study.safety.conditions import CONDITIONS
 from lfdcore.study.safety.hostile_run import HostileCounts
+from lfdcore.study.safety.standing import LONGEST
 from lfdcore.study.safety.study import SafetyResult, SafetyStudy, run_safety_study
 from lfdcore.study.study import Findings
 
 RIVAL = "none"
 
 
+COUNTED = (
+    "driven\n[km]",
+    "touched what\na scan showed",
+    "per 100 km",
+    "nose met a\nperson shown",
+    "stood,\nper hour",
+)
+"""What both tables have of each row."""
+STOOD = (
+    f"Stood: for longer than {LONGEST:g} s in no mode that stops the chair, while the stick asked for a motion that is "
+    f"free for {LONGEST:g} s in the true map, with {SupervisorConfig().margin:g} m and three standard deviations of a "
+    "range around the chair."
+)
+
+
+def promised(study: SafetyStudy) -> list[str]:
+    """The conditions of a study under which the chair touches nothing that stands, as is promised."""
+    return [name for name in study.conditions if CONDITIONS[name].promised]
+
+
+def promised_table(result: SafetyResult) -> Table:
+    """A row an assistant: all those conditions together."""
+    names = promised(result.study)
+    note = (
+        f"Together: {', '.join(names)}. In brackets: 95 % interval of Garwood (Poisson), whose upper end is what is "
+        "given as at most."
+    )
+    rows = []
+    for arm in result.study.arms:
+        mine = _under(result, names, arm)
+        rows.append((arm_name(arm), _at_most(mine), *_counted(mine)))
+    header = ("assistant", "per 100 km,\nat most", *COUNTED)
+    return Table("Under the conditions that promise no collision", header, tuple(rows), note)
+
+
 def collisions_table(result: SafetyResult) -> Table:
     """A row a condition and an assistant."""
     study = result.study
-    header = (
-        "condition",
-        "assistant",
-        "driven\n[km]",
-        "collisions with\nwhat a scan showed",
-        "per 100 km",
-        "with what\nnone showed",
-        "person met by the\nnose, was shown",
-        "moving",
-        "halted",
-    )
     note = (
         f"{len(study.courses)} courses, in each {study.runs} runs of {study.seconds} s of each stick: "
         f"{', '.join(study.sticks)}; seeds {study.seed}.."
         f"{study.seed + study.runs - 1}. In brackets: 95 % interval of Garwood (Poisson). "
         "What no scan showed: the chair begins anywhere, and creeps into space that no beam has seen. A dagger: "
-        "nothing is promised under this condition."
+        "nothing is promised under this condition. Moving, halted: shares of the ticks. Halted: in a mode that stops "
+        "the chair."
     )
+    header = ("condition\nassistant", *COUNTED, "touched what\nnone showed", "moving\nhalted")
     rows = tuple(_row(result, condition, arm) for condition in study.conditions for arm in study.arms)
-    return Table("Collisions with what stands", header, rows, note)
+    return Table("Condition by condition", header, rows, note)
 
 
 def _row(result: SafetyResult, condition: str, arm: str) -> Row:
-    mine = result.of(condition=condition, arm=arm)
-    km, collisions = _km(mine), sum(one.collisions for one in mine)
+    mine = _under(result, [condition], arm)
+    dagger = "" if CONDITIONS[condition].promised else " \N{DAGGER}"
     return (
-        condition if CONDITIONS[condition].promised else f"{condition} \N{DAGGER}",
-        arm_name(arm),
-        f"{km:.2f}",
-        str(collisions),
-        _per_100_km(collisions, km),
+        f"{condition}{dagger}\n{arm_name(arm)}",
+        *_counted(mine),
         str(sum(one.unseen_collisions for one in mine)),
-        str(sum(one.nose_met_seen for one in mine)),
-        f"{sum(one.moving for one in mine) / len(mine):.2f}",
-        f"{sum(one.halted for one in mine) / len(mine):.3f}",
+        f"{sum(one.moving for one in mine) / len(mine):.2f}\n{sum(one.halted for one in mine) / len(mine):.3f}",
+    )
+
+
+def _under(result: SafetyResult, conditions: Sequence[str], arm: str) -> list[HostileCounts]:
+    return [one for name in conditions for one in result.of(condition=name, arm=arm)]
+
+
+def _counted(counts: Sequence[HostileCounts]) -> Row:
+    """Cells of COUNTED."""
+    collisions, stood = sum(one.collisions for one in counts), sum(one.stood for one in counts)
+    hours = sum(one.seconds for one in counts) / 3600
+    return (
+        f"{_km(counts):.2f}",
+        str(collisions),
+        _per_100_km(counts),
+        str(sum(one.nose_met_seen for one in counts)),
+        f"{stood / hours:.2f}\n{stood} in {hours:.1f} h",
     )
 
 
@@ -65,21 +107,34 @@ def _km(counts: Sequence[HostileCounts]) -> float:
     return sum(one.distance for one in counts) / 1000
 
 
-def _per_100_km(collisions: int, km: float) -> str:
+def _per_100_km(counts: Sequence[HostileCounts]) -> str:
+    rate, low, high = _rate(counts)
+    return figure_cell(rate, low, high, digits=0)
+
+
+def _at_most(counts: Sequence[HostileCounts]) -> str:
+    return figure_cell(_rate(counts)[2], digits=1)
+
+
+def _rate(counts: Sequence[HostileCounts]) -> tuple[float, float, float]:
+    """Collisions per 100 km and their interval; NaN where nothing was driven."""
+    km = _km(counts)
     if km == 0:
-        return "-"
-    rate, low, high = (100 / km * value for value in poisson_rate(collisions, 1))
-    return f"{rate:.0f} [{low:.0f}, {high:.0f}]"
+        return nan, nan, nan
+    rate, low, high = poisson_rate(sum(one.collisions for one in counts), 1)
+    return 100 / km * rate, 100 / km * low, 100 / km * high
 
 
 def aims(result: SafetyResult) -> list[Aim]:
-    """No collision where that is promised, and nobody run into who was shown."""
+    """No collision where that is promised, nobody run into who was shown, and no standing where a free motion is asked
+    for."""
     found = []
     for arm in (arm for arm in result.study.arms if arm != RIVAL):
-        for condition in (name for name in result.study.conditions if CONDITIONS[name].promised):
+        for condition in promised(result.study):
             mine = result.of(condition=condition, arm=arm)
             about = f"{arm_name(arm)}, {condition}"
             found.append(Aim.at_most(0, f"collisions: {about}", sum(one.collisions for one in mine), 0))
+            found.append(Aim.at_most(0, f"stood, a free motion asked for: {about}", sum(one.stood for one in mine), 0))
             if CONDITIONS[condition].run.people is not None:
                 met = sum(one.nose_met_seen for one in mine)
                 found.append(Aim.at_most(0, f"people met by the nose: {about}", met, 0))
@@ -91,20 +146,29 @@ def findings(result: SafetyResult) -> Findings:
     text = (
         "All is simulated. A random stick is drawn anew after a second on average. The adversarial one sees the true "
         "map and steers at what is nearest. A held one lies where it was put, beside furniture, for the whole run. "
-        "This is research software, not a certified medical device."
+        "This is research software, not a certified medical device.\n\n"
+        f"{STOOD}"
     )
-    driven = {arm: result.of(arm=arm) for arm in result.study.arms}
-    said = [
-        f"{arm_name(arm)}: {sum(one.collisions for one in mine)} in {_km(mine):.1f} km" for arm, mine in driven.items()
-    ]
+    tables = [promised_table(result)] if promised(result.study) else []
+    reached = aims(result)
     rows = [{**run.about(), **asdict(counts)} for run, counts in zip(result.runs, result.counts, strict=True)]
     return Findings(
-        headline=f"Collisions with what stands, all conditions together: {'; '.join(said)}.",
-        sections=[Section("Hostile sticks", text, [collisions_table(result)], [])],
+        headline=f"{_headline(result)} {reached_of(reached)}" if reached else _headline(result),
+        sections=[Section("Hostile sticks", text, [*tables, collisions_table(result)], [])],
         rows=rows,
         keys=("arm", "condition", "stick", "course", "seed", "seconds"),
-        aims=aims(result),
+        aims=reached,
     )
+
+
+def _headline(result: SafetyResult) -> str:
+    names = promised(result.study)
+    which = "under the conditions that promise none" if names else "all conditions together"
+    said = []
+    for arm in result.study.arms:
+        mine = _under(result, names or result.study.conditions, arm)
+        said.append(f"{arm_name(arm)}: {sum(one.collisions for one in mine)} in {_km(mine):.1f} km")
+    return f"Collisions with what stands, {which}: {'; '.join(said)}."
 
 
 def run(study: SafetyStudy, folder: Path, tell: StageProgress) -> Findings:

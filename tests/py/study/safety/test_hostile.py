@@ -81,23 +81,51 @@ def test_what_is_kept_is_not_driven_again_and_says_the_same(tmp_path: Path) -> N
     assert run_safety_study(SMALL, tmp_path).counts == first.counts
 
 
-@pytest.mark.hazard("Hostile sticks, chairs that are not as they should be", "no collision with what stands")
+@pytest.mark.hazard(
+    "Hostile sticks, chairs that are not as they should be",
+    "no collision with what stands, and no standing where a free motion is asked for",
+    each="3 minutes, make safety",
+)
 @pytest.mark.parametrize("condition", [name for name, one in CONDITIONS.items() if one.promised])
 def test_a_small_share_of_make_safety(condition: str, tmp_path: Path) -> None:
     study = replace(SMALL, conditions=(condition,), sticks=("random", "adversarial", "held"), seconds=60)
     result = run_safety_study(study, tmp_path)
     assert sum(one.collisions for one in result.of(arm="supervisor")) == 0
+    assert sum(one.stood for one in result.of(arm="supervisor")) == 0
     assert sum(one.collisions for one in result.of(arm="none")) > 0
     assert sum(one.distance for one in result.of(arm="supervisor")) > 10
 
 
 def test_the_report_says_what_was_driven_and_which_condition_promises_nothing(tmp_path: Path) -> None:
     study = replace(SMALL, conditions=("as declared", "20 beams"))
-    found = findings(run_safety_study(study, tmp_path, silent))
-    (table,) = found.tables
-    assert [row[0] for row in table.rows] == ["as declared", "as declared", "20 beams †", "20 beams †"]
+    result = run_safety_study(study, tmp_path, silent)
+    found = findings(result)
+    promised, all_of_them = found.tables
+    names = ["as declared", "as declared", "20 beams †", "20 beams †"]
+    assert [row[0].split("\n")[0] for row in all_of_them.rows] == names
+    assert [row[2:] for row in promised.rows] == [row[1:6] for row in all_of_them.rows[:2]]
     assert all(aim.reached for aim in found.aims)
+    assert found.headline.endswith("2 of 2 reached.")
     assert len(found.rows) == 8
+
+
+def test_the_table_of_what_is_promised_is_of_all_such_conditions_together(tmp_path: Path) -> None:
+    study = replace(SMALL, arms=("none",), conditions=("as declared", "late ticks", "20 beams"))
+    result = run_safety_study(study, tmp_path, silent)
+    counts = [replace(one, collisions=1, stood=2, distance=10e3, seconds=3600.0) for one in result.counts]
+    found = findings(replace(result, counts=tuple(counts)))
+    ((_, at_most, km, collisions, rate, _, stood),) = found.tables[0].rows
+    assert (km, collisions, stood) == ("40.00", "4", "2.00\n8 in 4.0 h")
+    low, high = 100 / 40 * 1.0899, 100 / 40 * 10.2416  # Garwood's interval of 4, from tables
+    assert (at_most, rate) == (f"{high:.1f}", f"10\n[{low:.0f}, {high:.0f}]")
+
+
+def test_what_another_version_counted_is_driven_again(tmp_path: Path) -> None:
+    first = run_safety_study(SMALL, tmp_path)
+    file = sorted((tmp_path / "runs").glob("*.json"))[0]
+    older = {name: value for name, value in json.loads(file.read_text()).items() if name != "stood"}
+    file.write_text(json.dumps({**older, "collisions": 1234}))
+    assert run_safety_study(SMALL, tmp_path).counts == first.counts
 
 
 @pytest.mark.parametrize(
