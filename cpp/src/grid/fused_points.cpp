@@ -79,8 +79,8 @@ FusedPoints::Fused FusedPoints::fuse(const BeamHit& hit) {
   if (fresh && behind) return {nullptr, false};
   if (fresh) {
     index = static_cast<std::int32_t>(points_.size());
-    points_.push_back(
-        {hit.x, hit.y, hit.dx, hit.dy, hit.dx, hit.dy, 0, hit.stamp, hit.stamp, hit.scan, 1, 0, false, -1});
+    points_.push_back({hit.x, hit.y, hit.dx, hit.dy, hit.dx, hit.dy, 0, hit.stamp, hit.stamp, hit.scan,
+                       static_cast<double>(hit.scan)});
   } else {
     unlink(index);
     average(points_[index], hit);
@@ -91,14 +91,21 @@ FusedPoints::Fused FusedPoints::fuse(const BeamHit& hit) {
   return {&points_[index], fresh, stood};
 }
 
+// Where 3 noise / sqrt(n) + walked n is least.
+std::int32_t FusedPoints::best_hits(double walked) const {
+  const double ratio = 1.5 * noise_ / std::max(walked, 1e-9);
+  return std::clamp(static_cast<std::int32_t>(std::min(std::cbrt(ratio * ratio), 1e3)), doubtful_hits + 1, most_hits);
+}
+
 void FusedPoints::average(FusedPoint& point, const BeamHit& hit) {
   const double x = hit.x - point.x, y = hit.y - point.y;
   point.drift += drift_gain * (x * hit.dx + y * hit.dy - point.drift);
-  point.hits = std::min(point.hits + 1, most_hits);
+  point.hits = std::min(point.hits + 1, best_hits(hit.walked));
   point.x += x / point.hits;
   point.y += y / point.hits;
   point.mean_dx += (hit.dx - point.mean_dx) / point.hits;
   point.mean_dy += (hit.dy - point.mean_dy) / point.hits;
+  point.mean_scan += (hit.scan - point.mean_scan) / point.hits;
   point.dx = hit.dx;
   point.dy = hit.dy;
   point.seen = hit.stamp;
@@ -113,6 +120,7 @@ bool FusedPoints::follow_drift(FusedPoint& point, const BeamHit& hit) {
   point.drift = 0;
   point.hits = moved_hits;
   point.since = hit.stamp;
+  point.mean_scan = hit.scan;
   return true;
 }
 

@@ -150,27 +150,33 @@ void RollingMap::add_hits(const Pose2& T_odom_laser) {
     if (!ray.hit || ray.length > 2 * farthest) continue;
     const double x = T_odom_laser.x + ray.length * ray.dx, y = T_odom_laser.y + ray.length * ray.dy;
     if (cells_.at(x, y) == nullptr) continue;
-    const auto [point, fresh, stood] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_});
+    const double walked = walked_since_last_scan(ray.length);
+    const auto [point, fresh, stood] = points_.fuse({x, y, ray.dx, ray.dy, stamp, last_scan_, walked});
     if (point == nullptr) continue;
     if (fresh)
-      point->young = point->young || (stood < settled_for(ray.length) && is_young(*point, ray.length));
+      point->young = point->young || (stood < settled_for(walked) && is_young(*point, walked));
     else if (point->young && stamp - point->since >= settling)
       point->young = false;
   }
 }
 
-// How long [s] a point must have stood to be no person's: 1 s, or less where odometry that is wrong makes furniture at
-// this distance walk.
-double RollingMap::settled_for(double distance) const {
-  if (taken_.size() < first_taken_ + 2) return settled_age;
+// By how much [m] odometry that is wrong may have moved what stands at this distance from the robot.
+double RollingMap::walked_since_last_scan(double distance) const {
+  if (taken_.size() < first_taken_ + 2) return 0;
   const Taken &now = taken_.back(), &before = taken_[taken_.size() - 2];
-  const double moved = std::hypot(now.x - before.x, now.y - before.y) + std::abs(now.turn - before.turn) * distance;
-  const double walked = std::max(slipping * config_.odometry_error * moved, 1e-9), passed = now.stamp - before.stamp;
-  return std::min(settled_age, passed * std::max(FusedPoints::across / walked - 1, 0.0));
+  return config_.odometry_error *
+         (std::hypot(now.x - before.x, now.y - before.y) + std::abs(now.turn - before.turn) * distance);
 }
 
-bool RollingMap::is_young(const FusedPoint& point, double distance) const {
-  const double age = settled_for(distance);
+// How long [s] a point must have stood to be no person's: 1 s, or less where furniture walks so far between two scans.
+double RollingMap::settled_for(double walked) const {
+  if (walked <= 0) return settled_age;
+  const double passed = taken_.back().stamp - taken_[taken_.size() - 2].stamp;
+  return std::min(settled_age, passed * std::max(FusedPoints::across / (slipping * walked) - 1, 0.0));
+}
+
+bool RollingMap::is_young(const FusedPoint& point, double walked) const {
+  const double age = settled_for(walked);
   const auto near = [&](auto is) { return points_.any_near(point.x, point.y, kin_distance, is); };
   const auto stands = [&](const FusedPoint& p) { return p.misses == 0 || point.seen - p.seen <= kin_age; };
   if (near([&](const FusedPoint& p) { return !p.young && stands(p) && p.seen - p.since >= age; })) return false;
@@ -290,7 +296,7 @@ void RollingMap::find_places(const FusedPoint& point, double error, const Taken&
 // To first order: too long a way moves everything along it; a turn that was wrong by an angle turns the point by it
 // about the place of the turn, which adds up to angle x (point - mean place of turning).
 void RollingMap::add_odometry_errors(const FusedPoint& point, const Taken& now, std::vector<Shift>& places) const {
-  const Taken& then = taken(point.scan);
+  const Taken& then = taken(std::max(static_cast<ScanNumber>(point.mean_scan), oldest_scan()));
   const double turn = now.turn - then.turn, share = config_.odometry_error;
   const Shift way{share * (now.x - then.x), share * (now.y - then.y)};
   const Shift arc{-share * (turn * point.y - (now.turn_y - then.turn_y)),

@@ -293,15 +293,25 @@ TEST(RollingMap, a_straight_drive_smears_a_point_along_the_way_and_not_sideways)
   EXPECT_NEAR(told.col(0).maxCoeff(), -0.5 + 0.1, 1e-6);
 }
 
-TEST(RollingMap, a_point_just_seen_or_a_chair_that_stands_needs_no_more_places) {
-  RollingMap map({.range_noise = 0.001, .odometry_error = 0.05});
+// A mean of hits is as old as they are on average.
+TEST(RollingMap, a_point_seen_on_a_drive_lags_behind_by_its_age_until_the_chair_stands) {
+  RollingMap map({.range_noise = 0.003, .odometry_error = 0.05});
+  const auto places = [&](const Pose2& base) { return map.obstacles(base).points().rows(); };
+  Pose2 base;
   for (int k = 0; k <= 10; ++k) {
-    const Pose2 base{0.1 * k, 0, 0.02 * k};
+    base = {0.1 * k, 0, 0.02 * k};
     map.insert(k, one_hit(base * mounting, 3, 0.6), mounting, base);
-    EXPECT_EQ(map.obstacles(base).points().rows(), 1);
+    EXPECT_EQ(places(base) > 1, k > 0) << k;
+    EXPECT_LT((map.obstacles(base).points().rowwise() - (base.inverse() * Eigen::Vector2d(3, 0.6)).transpose())
+                  .rowwise()
+                  .norm()
+                  .maxCoeff(),
+              0.05);
   }
-  for (int k = 11; k < 20; ++k) map.insert(k, blind, mounting, {1, 0, 0.2});
-  EXPECT_EQ(map.obstacles({1, 0, 0.2}).points().rows(), 1);
+  for (int k = 11; k < 50; ++k) map.insert(k, one_hit(base * mounting, 3, 0.6), mounting, base);
+  EXPECT_EQ(places(base), 1);
+  for (int k = 50; k < 60; ++k) map.insert(k, blind, mounting, base);
+  EXPECT_EQ(places(base), 1);
 }
 
 // The true way is the odometry's with its lengths or turns off by the share; where the point is then, is told.

@@ -16,6 +16,7 @@ struct BeamHit {
   double x, y, dx, dy;  // [m]
   double stamp;         // [s]
   ScanNumber scan;
+  double walked = 0;  // [m] by which odometry that is wrong may have moved what stands there, since the last scan
 };
 
 /// The mean of the hits that agreed with one another.
@@ -27,6 +28,7 @@ struct FusedPoint {
   double since;             ///< stamp of the hit that it began with, or last moved with [s]
   double seen;              ///< stamp of the last hit [s]
   ScanNumber scan;          ///< of the last hit
+  double mean_scan;         ///< mean of the hits' scans
   std::int32_t hits = 1;    ///< in the mean, at most most_hits
   std::int32_t misses = 0;
   bool young = false;      ///< stands where space had just been seen empty (see RollingMap)
@@ -36,10 +38,11 @@ struct FusedPoint {
 /// Fused points with an index by place. A hit agrees with a point that it lies beside by at most `across`, nearer or
 /// farther along the beam by at most 4 standard errors of their difference, and that was last seen from within 41
 /// degrees of the same direction, so that the two faces of a board stay two. It goes to the one that it agrees with
-/// best, and moves it to the mean of at most the last 100 hits or so; one that agrees with none is a new point, unless
-/// it lies up to 8 standard errors behind a point of 3 hits or more: it is noise, or that point is about to be dropped.
-/// A point whose recent ranges all lie to one side (their low-pass beyond 2 standard deviations) has moved: it goes
-/// there, as a mean of 5 hits.
+/// best, and moves it to the mean of at most the last 100 hits or so, or of fewer where odometry that is wrong makes
+/// what stands there walk: of as many as make 3 standard errors and what it walks meanwhile least in sum; one that
+/// agrees with none is a new point, unless it lies up to 8 standard errors behind a point of 3 hits or more: it is
+/// noise, or that point is about to be dropped. A point whose recent ranges all lie to one side (their low-pass beyond
+/// 2 standard deviations) has moved: it goes there, as a mean of 5 hits.
 class FusedPoints {
  public:
   static constexpr double across = 0.015;  ///< [m]
@@ -103,6 +106,7 @@ class FusedPoints {
     bool behind = false;      // it lies behind one
   };
   Match match(const BeamHit& hit) const;
+  std::int32_t best_hits(double walked) const;
   void average(FusedPoint& point, const BeamHit& hit);
   bool follow_drift(FusedPoint& point, const BeamHit& hit);
   void link(std::int32_t index);

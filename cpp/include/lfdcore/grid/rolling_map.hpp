@@ -51,9 +51,9 @@ class RollingMap {
 
   /// The remembered points within `radius` of base_link, in base_link, each with 3 standard errors as its uncertainty.
   ///
-  /// With an `odometry_error`, a point that the last scan did not hit is given with the ends of where it may lie by
-  /// now: what this share of the way driven since its last hit, and of the turns, each about where it was made, moves
-  /// it by. So a point beside a straight drive moves along the drive, not sideways. Ends nearer than 5 mm are left out.
+  /// With an `odometry_error`, a point is given with the ends of where it may lie by now: what this share of the way
+  /// driven since its hits (their mean), and of the turns, each about where it was made, moves it by. So a point beside
+  /// a straight drive moves along the drive, not sideways. Ends nearer than 5 mm are left out.
   ObstaclePoints obstacles(const Pose2& T_odom_base) const;
 
   /// The edge of the space that nothing is known of: the centres, in base_link, of the cells of 0.05 m that no beam has
@@ -103,8 +103,9 @@ class RollingMap {
   void read_rays(const LaserScan& scan, const Pose2& T_base_laser, double yaw);
   bool own(const Pose2& T_base_laser, double angle, double length) const;
   void add_hits(const Pose2& T_odom_laser);
-  double settled_for(double distance) const;
-  bool is_young(const FusedPoint& point, double distance) const;
+  double walked_since_last_scan(double distance) const;
+  double settled_for(double walked) const;
+  bool is_young(const FusedPoint& point, double walked) const;
   void mark_free(const Pose2& T_odom_laser);
   void drop_stale(const LaserScan& scan, const Pose2& T_odom_laser);
   bool is_gone(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser);
