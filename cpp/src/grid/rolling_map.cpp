@@ -344,19 +344,14 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
 Mask RollingMap::unknown_around(const Pose2& T_odom_base, const Footprint& body, Eigen::Index side, double corner_x,
                                 double corner_y) const {
   const Pose2 T_base_odom = T_odom_base.inverse();
-  const auto seen = [&](double x, double y) {
-    const SeenCells::State* cell = cells_.at(x, y);
-    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= sure_scan_;
-  };
-  Mask unknown(side, side);
+  Mask unknown = cells_.unseen_blocks(corner_x, corner_y, side, sure_scan_);
   for (Eigen::Index iy = 0; iy < side; ++iy)
     for (Eigen::Index ix = 0; ix < side; ++ix) {
-      const double x = corner_x + (static_cast<double>(ix) + 0.5) * coarse;
-      const double y = corner_y + (static_cast<double>(iy) + 0.5) * coarse, quarter = coarse / 4;
-      const Eigen::Vector2d place = T_base_odom * Eigen::Vector2d(x, y);
-      unknown(iy, ix) = !seen(x - quarter, y - quarter) && !seen(x + quarter, y - quarter) &&
-                        !seen(x - quarter, y + quarter) && !seen(x + quarter, y + quarter) &&
-                        distance_outside(body, place.x(), place.y()) > under_body;
+      if (!unknown(iy, ix)) continue;
+      const Eigen::Vector2d centre(corner_x + (static_cast<double>(ix) + 0.5) * coarse,
+                                   corner_y + (static_cast<double>(iy) + 0.5) * coarse);
+      const Eigen::Vector2d place = T_base_odom * centre;
+      unknown(iy, ix) = distance_outside(body, place.x(), place.y()) > under_body;
     }
   return unknown;
 }

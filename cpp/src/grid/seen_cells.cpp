@@ -38,6 +38,21 @@ const SeenCells::State* SeenCells::state(std::int64_t ix, std::int64_t iy) const
 
 const SeenCells::State* SeenCells::at(double x, double y) const { return state(cell_of(x), cell_of(y)); }
 
+Mask SeenCells::unseen_blocks(double x, double y, Eigen::Index side, ScanNumber from) const {
+  const std::int64_t left = cell_of(x + resolution / 2), bottom = cell_of(y + resolution / 2);
+  const auto seen = [&](std::int64_t ix, std::int64_t iy) {
+    const State* cell = state(ix, iy);
+    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= from;
+  };
+  Mask unseen(side, side);
+  for (Eigen::Index row = 0; row < side; ++row)
+    for (Eigen::Index column = 0; column < side; ++column) {
+      const std::int64_t ix = left + 2 * column, iy = bottom + 2 * row;
+      unseen(row, column) = !seen(ix, iy) && !seen(ix + 1, iy) && !seen(ix, iy + 1) && !seen(ix + 1, iy + 1);
+    }
+  return unseen;
+}
+
 bool SeenCells::follow(double x, double y) {
   const std::int64_t old_x = std::exchange(corner_ix_, cell_of(x) - side_ / 2);
   const std::int64_t old_y = std::exchange(corner_iy_, cell_of(y) - side_ / 2);

@@ -6,6 +6,7 @@
 
 #include "lfdcore/geometry.hpp"
 #include "lfdcore/grid/fused_points.hpp"
+#include "lfdcore/grid/grid.hpp"
 
 namespace lfdcore {
 
@@ -32,6 +33,10 @@ class SeenCells {
 
   /// Of the cell at a place [m]; nothing outside the square.
   const State* at(double x, double y) const;
+
+  /// (side, side) blocks of 2 x 2 cells, from the one with its corner at a place [m] on: true where none of its cells
+  /// was passed through, nor under the body, in scan `from` or later.
+  Mask unseen_blocks(double x, double y, Eigen::Index side, ScanNumber from) const;
 
   /// A beam from a place [m] along a unit vector: free up to `length`, surely up to `sure` [m].
   void cross(double x, double y, double dx, double dy, double length, double sure, ScanNumber scan);
