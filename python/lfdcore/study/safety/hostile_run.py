@@ -99,7 +99,7 @@ class HostileRun:
         stick = hostile(self.stick, course, self.seed)
         chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
         count = _Count(chair, self.seconds)
-        drive(chair, make_assistant(self.arm, self.models, run), count, period=run.period, clock=SimulatedClock())
+        drive(chair, make_assistant(self.arm, self.models, run), count, clock=SimulatedClock())
         return count.result()
 
 
