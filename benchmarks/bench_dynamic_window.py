@@ -21,6 +21,8 @@ from lfdcore.geometry import Footprint, MotionLimits, Twist2, approach
 from lfdcore.grid import ObstaclePoints
 
 LINEAR, ANGULAR, STEPS, STEP = 20, 20, 34, 0.1
+PERIOD = 0.1
+"""[s] between two commands: the window is what the accelerations reach in it"""
 ROUNDS = 15
 
 
@@ -116,17 +118,18 @@ def seconds(call: Callable[[], object], repeats: int) -> float:
 def compare(name: str, points: np.ndarray, twist: Twist2, goal: np.ndarray) -> None:
     limits, foot = MotionLimits(), Footprint()
     config = DynamicWindowConfig(linear_samples=LINEAR, angular_samples=ANGULAR, horizon=STEPS * STEP, step=STEP)
-    low = approach(twist, Twist2(-limits.max_reverse, -limits.max_angular), limits, config.period)
-    high = approach(twist, Twist2(limits.max_linear, limits.max_angular), limits, config.period)
+    low = approach(twist, Twist2(-limits.max_reverse, -limits.max_angular), limits, PERIOD)
+    high = approach(twist, Twist2(limits.max_linear, limits.max_angular), limits, PERIOD)
     linear, angular = np.linspace(low.linear, high.linear, LINEAR), np.linspace(low.angular, high.angular, ANGULAR)
     obstacles = ObstaclePoints(points)
     rest = (linear, angular, goal, points, foot.front, foot.rear, foot.half_width, STEPS, STEP)
     runs: dict[str, Callable[[], object]] = {
-        "lfdcore": lambda: solve_dynamic_window(twist, goal, obstacles, foot, limits, config),
+        "lfdcore": lambda: solve_dynamic_window(twist, goal, obstacles, foot, limits, config, period=PERIOD),
         "numba": lambda: numba_printed(*rest),
         "numba, cheapest first": lambda: numba_cheapest_first(*rest),
     }
-    ours, theirs = solve_dynamic_window(twist, goal, obstacles, foot, limits, config), numba_printed(*rest)
+    ours = solve_dynamic_window(twist, goal, obstacles, foot, limits, config, period=PERIOD)
+    theirs = numba_printed(*rest)
     assert ours.feasible == (theirs[0] >= 0), name
     assert not ours.feasible or abs(ours.cost - theirs[1]) < 1e-9, name
     assert numba_cheapest_first(*rest)[1] == theirs[1], name

@@ -1,6 +1,7 @@
 """Pure pursuit, dynamic window, footprint roll-out and the supervisor. Re-exports lfdcore._core.control."""
 
 from lfdcore._core.control import (
+    CommandTiming,
     DynamicWindowConfig,
     DynamicWindowResult,
     FootprintRollout,
@@ -16,6 +17,7 @@ from lfdcore._core.control import (
 )
 
 __all__ = [
+    "CommandTiming",
     "DynamicWindowConfig",
     "DynamicWindowResult",
     "FootprintRollout",

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from lfdcore import _core
+from lfdcore.control import CommandTiming
 from lfdcore.geometry import Footprint, MotionLimits, Pose2
 
 CONFIGS = [
@@ -17,7 +18,7 @@ CONFIGS = [
     for name, kind in vars(module).items()
     if name.endswith("Config")
 ]
-every_config = pytest.mark.parametrize("kind", [*CONFIGS, MotionLimits], ids=lambda kind: kind.__name__)
+every_config = pytest.mark.parametrize("kind", [*CONFIGS, CommandTiming, MotionLimits], ids=lambda kind: kind.__name__)
 
 
 def fields(kind: type) -> list[str]:
@@ -102,9 +103,25 @@ def test_an_unknown_or_missing_name_is_refused_and_named(kind: type) -> None:
 def test_a_value_of_another_type_is_refused_and_named(kind: type) -> None:
     state = kind().__getstate__()
     for name, value in state.items():
-        wrong = 1 if isinstance(value, str) else "many"
-        with pytest.raises(ValueError, match=f"{kind.__name__}'s field '{name}' is {wrong!r}, of another type"):
-            unpickled(kind, {**state, name: wrong})
+        for wrong in wrong_for(value):
+            with pytest.raises(ValueError, match=f"{kind.__name__}'s field '{name}' is {wrong!r}, of another type"):
+                unpickled(kind, {**state, name: wrong})
+
+
+def wrong_for(value: Any) -> list[Any]:
+    """None is a value only where it is the default; a bool is neither a number nor absent."""
+    if value is None:
+        return ["many"]
+    return [None, 1 if isinstance(value, str | bool) else "many"]
+
+
+def test_a_constructor_takes_no_number_and_no_none_for_a_bool() -> None:
+    flags = [(kind, name) for kind in CONFIGS for name in fields(kind) if isinstance(getattr(kind(), name), bool)]
+    assert len(flags) > 3
+    for kind, name in flags:
+        for wrong in (None, 1, 0.0):
+            with pytest.raises(TypeError, match=name):
+                kind(**{name: wrong})
 
 
 def test_values_that_the_constructor_refuses_are_refused_by_a_pickle_too() -> None:

@@ -15,6 +15,23 @@ template <class Number>
 using Contiguous = py::array_t<Number, py::array::c_style | py::array::forcecast>;
 using Doubles = Contiguous<double>;
 
+/// Whatever NumPy makes an array of.
+class ArrayLike : public py::object {
+  static bool anything(py::handle) { return true; }
+
+ public:
+  PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, anything)
+};
+
+/// TypeError that names what holds no real numbers: NumPy would parse text and cut complex numbers.
+template <class Number>
+Contiguous<Number> real_numbers(const std::string& name, const ArrayLike& given) {
+  const py::array array(given);
+  if (std::string("biuf").find(array.dtype().kind()) != std::string::npos) return Contiguous<Number>(array);
+  throw py::type_error(name + " is of dtype " + py::str(py::object(array.dtype())).cast<std::string>() +
+                       ", must be of real numbers");
+}
+
 /// All numbers of an array, which must outlive the view.
 template <class Number>
 std::span<const Number> view(const Contiguous<Number>& array) {
@@ -30,3 +47,8 @@ inline RowMatrix series(const Doubles& array) {
 }
 
 }  // namespace lfdcore
+
+template <>
+struct pybind11::detail::handle_type_name<lfdcore::ArrayLike> {
+  static constexpr auto name = const_name("numpy.typing.ArrayLike");
+};

@@ -8,11 +8,9 @@ namespace {
 void bind_config(py::module_& m) {
   using Config = DynamicWindowConfig;
   bind_settings(m, "DynamicWindowConfig",
-                "Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period "
-                "[s] that sets the window.",
+                "Samples per axis, horizon [s] each twist is held, step [s] between tested poses.",
                 Field("linear_samples", &Config::linear_samples), Field("angular_samples", &Config::angular_samples),
-                Field("horizon", &Config::horizon, "[s]"), Field("step", &Config::step, "[s]"),
-                Field("period", &Config::period, "[s]"));
+                Field("horizon", &Config::horizon, "[s]"), Field("step", &Config::step, "[s]"));
 }
 
 }  // namespace
@@ -27,12 +25,14 @@ void bind_dynamic_window(py::module_& m) {
       .def_readonly("cost", &DynamicWindowResult::cost, "distance [m] of end_point to the goal; inf if not feasible");
   m.def("solve_dynamic_window", &solve_dynamic_window, py::arg("current"), py::arg("goal"), py::arg("obstacles"),
         py::arg("footprint") = Footprint{}, py::arg("limits") = MotionLimits{},
-        py::arg("config") = DynamicWindowConfig{}, py::arg("wanted") = Twist2{}, without_gil(),
+        py::arg("config") = DynamicWindowConfig{}, py::arg("wanted") = Twist2{},
+        py::arg("period") = CommandTiming{}.period, without_gil(),
         "Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from "
-        "`current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the "
+        "`current` within a `period` [s] between two commands, the one that ends nearest to goal (2,) [m] after the "
+        "horizon without the "
         "footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot "
         "do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).\n\nRaises "
-        "ValueError for a non-finite twist or goal.");
+        "ValueError for a non-finite twist or goal or a period that is not positive.");
 }
 
 }  // namespace lfdcore

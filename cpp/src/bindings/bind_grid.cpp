@@ -1,3 +1,4 @@
+#include "arrays.hpp"
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/error.hpp"
@@ -62,7 +63,7 @@ void bind_laser_scan(py::module_& m) {
   py::class_<LaserScan>(m, "LaserScan",
                         "One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing "
                         "within range_max, -inf = closer than range_min, NaN = no measurement (REP-117; read_beams); "
-                        "angles [rad] in the laser's frame.")
+                        "angles [rad] in the laser's frame. A broken scanner may give a scan without beams.")
       .def(py::init([](std::vector<float> ranges, double angle_min, double angle_increment, double range_min,
                        double range_max) {
              LaserScan scan{std::move(ranges), angle_min, angle_increment, range_min, range_max};
@@ -128,7 +129,7 @@ void bind_obstacle_points(py::module_& m) {
           [](const py::tuple& t) { return ObstaclePoints(t[0].cast<Path>(), t[1].cast<std::vector<double>>()); }));
 }
 
-using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using Ranges = Contiguous<float>;
 
 std::pair<py::array_t<double>, py::array_t<bool>> beams_of(const Ranges& ranges, double range_min, double range_max) {
   require(ranges.ndim() > 0, "ranges has 0 dimensions, must have at least 1: (..., B)");
@@ -148,7 +149,11 @@ std::pair<py::array_t<double>, py::array_t<bool>> beams_of(const Ranges& ranges,
 
 void bind_read_beams(py::module_& m) {
   m.def(
-      "read_beams", &beams_of, py::arg("ranges"), py::arg("range_min"), py::arg("range_max"),
+      "read_beams",
+      [](const ArrayLike& ranges, double range_min, double range_max) {
+        return beams_of(real_numbers<float>("ranges", ranges), range_min, range_max);
+      },
+      py::arg("ranges"), py::arg("range_min"), py::arg("range_max"),
       "What ranges mean (REP-117) -> lengths float64 [m], hit bool, both of the shape of `ranges`.\n\n"
       "ranges (..., B) float32 [m]: of one scan or of many; range_min, range_max [m] of the scanner. The space\n"
       "along a beam is free up to its length; if it hit, something is there:\n\n"
@@ -156,7 +161,8 @@ void bind_read_beams(py::module_& m) {
       "- +inf, or at least range_max: free up to range_max, no hit;\n"
       "- -inf: closer than the scanner can tell, taken to be a hit at range_min;\n"
       "- NaN, or finite and below range_min: nothing was measured: length 0, no hit.\n\n"
-      "ValueError unless 0 <= range_min <= 1000 m and range_min < range_max, finite; for ranges without a dimension.");
+      "ValueError unless 0 <= range_min <= 1000 m and range_min < range_max, finite; for ranges without a dimension.\n"
+      "TypeError for ranges that are no real numbers: text, complex numbers, objects.");
   m.def(
       "read_beams",
       [](const LaserScan& scan) {
@@ -199,8 +205,8 @@ void bind_rolling_map(py::module_& m) {
            py::arg("own_body") = py::none())
       .def("insert", &RollingMap::insert, py::arg("stamp"), py::arg("scan"), py::arg("T_base_laser"),
            py::arg("T_odom_base"), without_gil(),
-           "Adds a scan taken at `stamp` [s] from T_odom_base. ValueError, and no change, for an invalid scan or pose "
-           "or a stamp before the last one.")
+           "Adds a scan taken at `stamp` [s] from T_odom_base; one without beams is as one whose beams all measured "
+           "nothing. ValueError, and no change, for an invalid scan or pose or a stamp before the last one.")
       .def("obstacles", &RollingMap::obstacles, py::arg("T_odom_base"), without_gil(),
            "The remembered points within `radius` of base_link, in base_link, each with 3 standard errors as its\n"
            "uncertainty -> ObstaclePoints. With an odometry_error, what the last scan did not hit is given with the "
@@ -210,7 +216,7 @@ void bind_rolling_map(py::module_& m) {
           "unseen", &RollingMap::unseen, py::arg("T_odom_base"), py::arg("body"), py::arg("reach"), without_gil(),
           "The edge of the space that nothing is known of -> ObstaclePoints in base_link: centres of 0.05 m cells that "
           "no\nbeam has passed or ended in within `duration`, beside known ones, no farther from the outline of `body` "
-          "than\n`reach` [m], 0 to 10. What lies under the body is known, and what was under own_body in any scan. "
+          "than\n`reach` [m], 0 to 20. What lies under the body is known, and what was under own_body in any scan. "
           "Gaps "
           "of\nless than 0.25 m count as seen. ValueError for a pose or body that is not finite, or a reach out of "
           "bounds.")

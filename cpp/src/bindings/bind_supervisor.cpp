@@ -8,10 +8,11 @@ namespace {
 using Config = SupervisorConfig;
 
 void bind_config(py::module_& m) {
+  bind_settings(m, "CommandTiming", "When commands come: a chair's own, not the supervisor's to choose.",
+                Field("period", &CommandTiming::period, "[s] between two commands"),
+                Field("jitter", &CommandTiming::jitter, "[s] by which the next command may come late"));
   bind_settings(
       m, "SupervisorConfig", "How far ahead the supervisor looks and how near it lets the chair come.",
-      Field("period", &Config::period, "[s] between two commands"),
-      Field("jitter", &Config::jitter, "[s] by which the next command may come late"),
       Field("margin", &Config::margin, "[m] to keep between footprint and points at speed"),
       Field("least_margin", &Config::least_margin, "[m] ... and at standstill; between them in proportion"),
       Field("margin_linear", &Config::margin_linear, "[m/s] from which `margin` is kept ..."),
@@ -56,15 +57,17 @@ void bind_supervisor(py::module_& m) {
       "Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one. What "
       "it promises, and on what assumptions: docs/safety.md.\n\n"
       "A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for "
-      "`period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint "
+      "the timing's `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to "
+      "the footprint "
       "than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + "
       "its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 "
       "inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in "
       "turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their "
       "distance to it; 0.\n\n"
-      "Raises ValueError for invalid limits or config. Not for use from two threads at once.")
-      .def(py::init<const Footprint&, const MotionLimits&, const Config&>(), py::arg("footprint") = Footprint{},
-           py::arg("limits") = MotionLimits{}, py::arg("config") = Config{})
+      "Raises ValueError for invalid limits, config or timing. Not for use from two threads at once.")
+      .def(py::init<const Footprint&, const MotionLimits&, const Config&, const CommandTiming&>(),
+           py::arg("footprint") = Footprint{}, py::arg("limits") = MotionLimits{}, py::arg("config") = Config{},
+           py::arg("timing") = CommandTiming{})
       // Keeps the GIL: its workspace belongs to one caller at a time, and a call is short.
       .def(
           "filter", &filter, py::arg("wanted"), py::arg("current"), py::arg("obstacles"), py::kw_only(),
@@ -91,10 +94,13 @@ void bind_supervisor(py::module_& m) {
       .def_property_readonly("footprint", &Supervisor::footprint)
       .def_property_readonly("limits", &Supervisor::limits)
       .def_property_readonly("config", &Supervisor::config)
-      .def(py::pickle([](const Supervisor& s) { return py::make_tuple(s.footprint(), s.limits(), s.config()); },
-                      [](const py::tuple& t) {
-                        return Supervisor(t[0].cast<Footprint>(), t[1].cast<MotionLimits>(), t[2].cast<Config>());
-                      }));
+      .def_property_readonly("timing", &Supervisor::timing)
+      .def(py::pickle(
+          [](const Supervisor& s) { return py::make_tuple(s.footprint(), s.limits(), s.config(), s.timing()); },
+          [](const py::tuple& t) {
+            return Supervisor(t[0].cast<Footprint>(), t[1].cast<MotionLimits>(), t[2].cast<Config>(),
+                              t[3].cast<CommandTiming>());
+          }));
 }
 
 }  // namespace lfdcore

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "common.hpp"
@@ -41,16 +42,20 @@ void require_exactly(std::initializer_list<const char*> names, const py::dict& s
   for (const char* name : names) require(state.contains(name), type + "'s field '" + name + "' is missing");
 }
 
-/// A field of a pickled state. ValueError that names it for a value of another type.
+/// A field of a pickled state. ValueError that names it for a value of another type: pybind11 alone would
+/// take None and numbers for a bool.
 template <class Struct, class Value>
 Value unpickled(const Field<Struct, Value>& field, const py::dict& state) {
+  const py::object given = state[field.name];
   try {
-    return Seen<Value>::from_python(field.name, state[field.name].template cast<typename Seen<Value>::Type>());
+    if (!std::is_same_v<Value, bool> || py::isinstance<py::bool_>(given))
+      return Seen<Value>::from_python(field.name, given.template cast<typename Seen<Value>::Type>());
   } catch (const py::cast_error&) {
-    const auto type = py::type::of<Struct>().attr("__name__").template cast<std::string>();
-    throw std::invalid_argument(type + "'s field '" + field.name + "' is " +
-                                py::repr(state[field.name]).template cast<std::string>() + ", of another type");
+  } catch (const py::reference_cast_error&) {  // of None for a struct
   }
+  const auto type = py::type::of<Struct>().attr("__name__").template cast<std::string>();
+  throw std::invalid_argument(type + "'s field '" + field.name + "' is " +
+                              py::repr(given).template cast<std::string>() + ", of another type");
 }
 
 /// Pickles as {name: value}, so that a field that was added or moved is never taken for another. Unpickling raises
@@ -102,7 +107,9 @@ void bind_settings(py::module_& m, const char* name, const char* doc, Field<Stru
              validate(made);
              return made;
            }),
-           py::kw_only(), (py::arg(fields.name) = Seen<Values>::to_python(defaults.*fields.member))...);
+           py::kw_only(),
+           (py::arg(fields.name).noconvert(std::is_same_v<Values, bool>) =
+                Seen<Values>::to_python(defaults.*fields.member))...);
   const auto bind_attribute = [&type]<class Value>(Field<Struct, Value> field) {
     using Type = typename Seen<Value>::Type;
     const auto get = [field](const Struct& self) -> Type { return Seen<Value>::to_python(self.*field.member); };

@@ -85,9 +85,9 @@ void rank_candidates(std::vector<Candidate>& heap, const Window& window, const E
   std::make_heap(heap.begin(), heap.end());
 }
 
-DynamicWindowResult braking(const Twist2& current, const MotionLimits& limits, const DynamicWindowConfig& config) {
-  const Twist2 twist = approach(current, {}, limits, config.period);
-  return {twist, false, end_of(twist, config.horizon), std::numeric_limits<double>::infinity()};
+DynamicWindowResult braking(const Twist2& current, const MotionLimits& limits, double period, double horizon) {
+  const Twist2 twist = approach(current, {}, limits, period);
+  return {twist, false, end_of(twist, horizon), std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace
@@ -98,13 +98,12 @@ void validate(const DynamicWindowConfig& config) {
   require_positive("horizon", config.horizon, "s");
   require_positive("step", config.step, "s");
   require_between("step", config.step, config.horizon / 10000, config.horizon, "s");
-  require_positive("period", config.period, "s");
 }
 
 DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vector2d& goal,
                                          const ObstaclePoints& obstacles, const Footprint& footprint,
                                          const MotionLimits& limits, const DynamicWindowConfig& config,
-                                         const Twist2& wanted) {
+                                         const Twist2& wanted, double period) {
   require_bounded(footprint);
   validate(config);
   validate(limits);
@@ -114,10 +113,11 @@ DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vec
   require_finite("goal y", goal.y(), "m");
   require_finite("wanted linear", wanted.linear, "m/s");
   require_finite("wanted angular", wanted.angular, "rad/s");
+  require_positive("period", period, "s");
 
   thread_local NearPoints points;
   thread_local std::vector<Candidate> heap;
-  const Window window = reachable_window(current, limits, config.period);
+  const Window window = reachable_window(current, limits, period);
   points.gather(obstacles, farthest_reach(window, footprint, config.horizon));
   rank_candidates(heap, window, goal, wanted, config);
 
@@ -131,7 +131,7 @@ DynamicWindowResult solve_dynamic_window(const Twist2& current, const Eigen::Vec
       return {twist, true, end, (end - goal).norm()};
     }
   }
-  return braking(current, limits, config);
+  return braking(current, limits, period, config.horizon);
 }
 
 }  // namespace lfdcore

@@ -25,9 +25,6 @@ bool between(double value, double a, double b) { return std::min(a, b) <= value 
 }  // namespace
 
 void validate(const SupervisorConfig& config) {
-  require_positive("period", config.period, "s");
-  require_between("period", config.period, 0, longest_prospect, "s");
-  require_between("jitter", config.jitter, 0, longest_prospect, "s");
   require_between("margin", config.margin, 0, 1, "m");
   require_between("least_margin", config.least_margin, 0, config.margin, "m");
   require_between("passing_margin", config.passing_margin, 0, config.least_margin, "m");
@@ -44,13 +41,16 @@ void validate(const SupervisorConfig& config) {
   require_between("angular_samples", config.angular_samples, 2, 100, "");
 }
 
-Supervisor::Supervisor(const Footprint& footprint, const MotionLimits& limits, const SupervisorConfig& config)
+Supervisor::Supervisor(const Footprint& footprint, const MotionLimits& limits, const SupervisorConfig& config,
+                       const CommandTiming& timing)
     : footprint_(footprint),
       limits_(limits),
       config_(config),
+      timing_(timing),
       rollouts_(limits, {config.dynamics_error, config.speed_error}) {
   validate(limits);
   validate(config);
+  validate(timing);
   require_bounded(footprint);
   require_positive("footprint front", footprint.front, "m");
   require_positive("footprint rear", footprint.rear, "m");
@@ -103,7 +103,7 @@ void Supervisor::look(const Twist2& aim, const Twist2& current, const ObstaclePo
                       std::span<const TimedTwist> pending, const ObstaclePoints& unseen) {
   fastest_linear_ = std::abs(current.linear);
   fastest_angular_ = std::abs(current.angular);
-  double following = config_.period + config_.jitter;
+  double following = timing_.period + timing_.jitter;
   for (const TimedTwist& command : pending) {
     fastest_linear_ = std::max(fastest_linear_, std::abs(command.twist.linear));
     fastest_angular_ = std::max(fastest_angular_, std::abs(command.twist.angular));
@@ -156,7 +156,7 @@ double Supervisor::creep_scale(const Twist2& wanted) const {
 }
 
 bool Supervisor::admissible(const Twist2& command) {
-  rollouts_.end_with(command, config_.period, config_.jitter);
+  rollouts_.end_with(command, timing_.period, timing_.jitter);
   const double required = margin_for(command) + config_.obstacle_speed * (age_ + rollouts_.duration());
   const bool creeping = creeps(command);
   // A chair beside a wall that is too near for any turn gets out straight ahead, slowly.

@@ -1,5 +1,7 @@
 #include "lfdcore/grid/laser_scan.hpp"
 
+#include <algorithm>
+
 #include "lfdcore/error.hpp"
 
 namespace lfdcore {
@@ -13,11 +15,10 @@ void require_range_limits(double range_min, double range_max) {
 }
 
 void validate(const LaserScan& scan) {
-  require(!scan.ranges.empty(), "a scan has 0 beams, must have at least 1");
   require_finite("scan angle_min", scan.angle_min, "rad");
   require_finite("scan angle_increment", scan.angle_increment, "rad");
   require(scan.angle_increment != 0, "scan angle_increment is 0 rad, must not be 0");
-  require_finite("angle of the scan's last beam", scan.angle(scan.ranges.size() - 1), "rad");
+  require_finite("angle of the scan's last beam", scan.angle(std::max<std::size_t>(scan.ranges.size(), 1) - 1), "rad");
   require_range_limits(scan.range_min, scan.range_max);
 }
 

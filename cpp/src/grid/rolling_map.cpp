@@ -228,6 +228,7 @@ bool RollingMap::is_gone(const FusedPoint& point, const LaserScan& scan, const P
 
 // Looks only at the beams whose angle brings them near enough to the point.
 bool RollingMap::seen_through(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) const {
+  if (rays_.empty()) return false;
   const double dx = point.x - T_odom_laser.x, dy = point.y - T_odom_laser.y, distance = std::hypot(dx, dy);
   const double sign = scan.angle_increment > 0 ? 1 : -1, increment = std::abs(scan.angle_increment);
   const double last = increment * static_cast<double>(rays_.size() - 1);
@@ -317,7 +318,7 @@ void RollingMap::add_odometry_errors(const FusedPoint& point, const Taken& now, 
 ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& body, double reach) const {
   require_pose("T_odom_base", T_odom_base);
   require_bounded(body);
-  require_between("reach", reach, 0, 10, "m");
+  require_between("reach", reach, 0, 20, "m");
   const double half = body.outer_radius() + reach + (crack + 1) * coarse;
   const double corner_x = coarse * std::floor((T_odom_base.x - half) / coarse);
   const double corner_y = coarse * std::floor((T_odom_base.y - half) / coarse);

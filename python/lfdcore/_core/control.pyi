@@ -11,6 +11,7 @@ import numpy.typing
 import typing
 
 __all__: list[str] = [
+    "CommandTiming",
     "DynamicWindowConfig",
     "DynamicWindowResult",
     "FootprintRollout",
@@ -56,18 +57,12 @@ class PurePursuitResult:
 
 class DynamicWindowConfig:
     """
-    Samples per axis, horizon [s] each twist is held, step [s] between tested poses, control period [s] that sets the window.
+    Samples per axis, horizon [s] each twist is held, step [s] between tested poses.
     """
 
     def __hash__(self) -> int: ...
     def __init__(
-        self,
-        *,
-        linear_samples: int = 11,
-        angular_samples: int = 21,
-        horizon: float = 2.0,
-        step: float = 0.1,
-        period: float = 0.1,
+        self, *, linear_samples: int = 11, angular_samples: int = 21, horizon: float = 2.0, step: float = 0.1
     ) -> None: ...
     def __repr__(self) -> str: ...
     @property
@@ -80,12 +75,6 @@ class DynamicWindowConfig:
 
     @property
     def linear_samples(self) -> int: ...
-    @property
-    def period(self) -> float:
-        """
-        [s]
-        """
-
     @property
     def step(self) -> float:
         """
@@ -184,6 +173,26 @@ class FootprintRollout:
         [s], inf if there is none
         """
 
+class CommandTiming:
+    """
+    When commands come: a chair's own, not the supervisor's to choose.
+    """
+
+    def __hash__(self) -> int: ...
+    def __init__(self, *, period: float = 0.1, jitter: float = 0.05) -> None: ...
+    def __repr__(self) -> str: ...
+    @property
+    def jitter(self) -> float:
+        """
+        [s] by which the next command may come late
+        """
+
+    @property
+    def period(self) -> float:
+        """
+        [s] between two commands
+        """
+
 class SupervisorConfig:
     """
     How far ahead the supervisor looks and how near it lets the chair come.
@@ -193,8 +202,6 @@ class SupervisorConfig:
     def __init__(
         self,
         *,
-        period: float = 0.1,
-        jitter: float = 0.05,
         margin: float = 0.04,
         least_margin: float = 0.015,
         margin_linear: float = 0.5,
@@ -239,12 +246,6 @@ class SupervisorConfig:
     def dynamics_error(self) -> float:
         """
         share by which accelerations and braking may be quicker or slower than the limits say
-        """
-
-    @property
-    def jitter(self) -> float:
-        """
-        [s] by which the next command may come late
         """
 
     @property
@@ -293,12 +294,6 @@ class SupervisorConfig:
     def passing_margin(self) -> float:
         """
         [m] beside the way of a chair that creeps straight on
-        """
-
-    @property
-    def period(self) -> float:
-        """
-        [s] between two commands
         """
 
     @property
@@ -352,9 +347,9 @@ class Supervisor:
     """
     Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one. What it promises, and on what assumptions: docs/safety.md.
 
-    A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their distance to it; 0.
+    A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for the timing's `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their distance to it; 0.
 
-    Raises ValueError for invalid limits or config. Not for use from two threads at once.
+    Raises ValueError for invalid limits, config or timing. Not for use from two threads at once.
     """
 
     def __init__(
@@ -362,6 +357,7 @@ class Supervisor:
         footprint: lfdcore._core.geometry.Footprint = ...,
         limits: lfdcore._core.geometry.MotionLimits = ...,
         config: SupervisorConfig = ...,
+        timing: CommandTiming = ...,
     ) -> None: ...
     def filter(
         self,
@@ -396,6 +392,8 @@ class Supervisor:
     def footprint(self) -> lfdcore._core.geometry.Footprint: ...
     @property
     def limits(self) -> lfdcore._core.geometry.MotionLimits: ...
+    @property
+    def timing(self) -> CommandTiming: ...
 
 def pure_pursuit(
     path: numpy.typing.ArrayLike,
@@ -438,11 +436,12 @@ def solve_dynamic_window(
     limits: lfdcore._core.geometry.MotionLimits = ...,
     config: DynamicWindowConfig = ...,
     wanted: lfdcore._core.geometry.Twist2 = ...,
+    period: float = 0.1,
 ) -> DynamicWindowResult:
     """
-    Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from `current` within a control period, the one that ends nearest to goal (2,) [m] after the horizon without the footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).
+    Dynamic Window Approach (App. E.2, Alg. 8; ERRATA 47): of the twists that `limits` let the chair reach from `current` within a `period` [s] between two commands, the one that ends nearest to goal (2,) [m] after the horizon without the footprint touching `obstacles` at any step; all in base_link. Of those that end alike (all turns on the spot do) the one nearest to `wanted`. If all collide it brakes at the limit (feasible = False).
 
-    Raises ValueError for a non-finite twist or goal.
+    Raises ValueError for a non-finite twist or goal or a period that is not positive.
     """
 
 def time_to_contact(

@@ -77,7 +77,7 @@ class OccupancyGrid:
 
 class LaserScan:
     """
-    One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing within range_max, -inf = closer than range_min, NaN = no measurement (REP-117; read_beams); angles [rad] in the laser's frame.
+    One sweep of a planar LIDAR (sensor_msgs/LaserScan): ranges (B,) [m], where +inf = nothing within range_max, -inf = closer than range_min, NaN = no measurement (REP-117; read_beams); angles [rad] in the laser's frame. A broken scanner may give a scan without beams.
     """
 
     def __init__(
@@ -199,7 +199,7 @@ class RollingMap:
         T_odom_base: lfdcore._core.geometry.Pose2,
     ) -> None:
         """
-        Adds a scan taken at `stamp` [s] from T_odom_base. ValueError, and no change, for an invalid scan or pose or a stamp before the last one.
+        Adds a scan taken at `stamp` [s] from T_odom_base; one without beams is as one whose beams all measured nothing. ValueError, and no change, for an invalid scan or pose or a stamp before the last one.
         """
 
     def local_grid(self, T_odom_base: lfdcore._core.geometry.Pose2) -> OccupancyGrid:
@@ -220,7 +220,7 @@ class RollingMap:
         """
         The edge of the space that nothing is known of -> ObstaclePoints in base_link: centres of 0.05 m cells that no
         beam has passed or ended in within `duration`, beside known ones, no farther from the outline of `body` than
-        `reach` [m], 0 to 10. What lies under the body is known, and what was under own_body in any scan. Gaps of
+        `reach` [m], 0 to 20. What lies under the body is known, and what was under own_body in any scan. Gaps of
         less than 0.25 m count as seen. ValueError for a pose or body that is not finite, or a reach out of bounds.
         """
 
@@ -332,6 +332,7 @@ def read_beams(
     - NaN, or finite and below range_min: nothing was measured: length 0, no hit.
 
     ValueError unless 0 <= range_min <= 1000 m and range_min < range_max, finite; for ranges without a dimension.
+    TypeError for ranges that are no real numbers: text, complex numbers, objects.
     """
 
 @typing.overload

@@ -407,7 +407,9 @@ class DriveLogWriter:
             self._note("drive", {str(key): str(value) for key, value in metadata.items()})
 
     def scan(self, stamp: float, scan: LaserScan) -> None:
-        """/scan. Beams and limits must be those of the first scan."""
+        """/scan. It has beams; their number and the limits must be those of the first scan."""
+        if not len(scan.ranges):
+            raise ValueError("a scan has 0 beams, must have at least 1")
         time = self._time("/scan", stamp)
         layout = (float(len(scan.ranges)), scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
         if self._scan_layout is None:

@@ -45,14 +45,15 @@ class Truth:
     """how many contacts with people began in the step that led here"""
 
 
-def geometry_of(chair: ChairConfig, lidar: LidarConfig, scan_period: float) -> ChairGeometry:
-    """What an assistant knows of a simulated chair whose scanner scans every `scan_period` [s]: the truth."""
+def geometry_of(chair: ChairConfig, lidar: LidarConfig, scanner: ScannerFaults, period: float) -> ChairGeometry:
+    """What an assistant knows of a simulated chair that is commanded every `period` [s]: the truth."""
     return ChairGeometry(
         footprint=chair.footprint,
         limits=chair.limits,
         T_base_laser=lidar.T_base_laser,
         latency=chair.command_latency,
-        scan_period=scan_period,
+        period=period,
+        scan_period=max(period, scanner.period),
         range_noise=max(lidar.noise_sd, LEAST_NOISE),
         odometry_error=min(max(abs(chair.linear_slip), abs(chair.angular_slip)) + 3 * chair.slip_sd, 0.5),
     )
@@ -89,7 +90,7 @@ def ranges_to_disc(centre: NDArray[np.float64], radius: float, angles: NDArray[n
 class SimulatedChair:
     """Stands at the course's start when it is made. The same seed gives the same scans, slip and driver.
 
-    period: between the loop's ticks [s]. people: who walks there, as yet without a step. The scans show them; neither
+    period: between two commands [s]. people: who walks there, as yet without a step. The scans show them; neither
     they nor the driver, who knows nothing of them, give way, and the chair is not stopped by them. Contacts with them
     are counted apart from the map's.
     """
@@ -106,7 +107,7 @@ class SimulatedChair:
         period: float = PERIOD,
     ) -> None:
         self._faults = scanner or ScannerFaults()
-        self.geometry = geometry_of(chair, lidar, max(period, self._faults.period))
+        self.geometry = geometry_of(chair, lidar, self._faults, period)
         self._world = DrivingWorld(course.grid, chair, lidar, seed)
         self._world.reset(course.start)
         self._seed = seed

@@ -35,7 +35,7 @@ class RunConfig:
     lidar: LidarConfig = field(default_factory=LidarConfig)
     scanner: ScannerFaults = field(default_factory=ScannerFaults)
     period: float = PERIOD
-    """[s] between ticks"""
+    """[s] between two commands; a tick each"""
     slowest: float = 0.12
     """Mean speed along the route [m/s] below which a run times out."""
     stuck_after: float = 60.0
@@ -48,7 +48,7 @@ class RunConfig:
     @property
     def geometry(self) -> ChairGeometry:
         """What an assistant knows of this chair."""
-        return geometry_of(self.chair, self.lidar, max(self.period, self.scanner.period))
+        return geometry_of(self.chair, self.lidar, self.scanner, self.period)
 
 
 class _Progress:
@@ -106,7 +106,7 @@ def run_drive(
             chair.show(tick.assistance.mode, tick.stamp)
             return outcome is not None
 
-        drive(chair, assistant, ended, period=config.period, clock=SimulatedClock(), log=log)
+        drive(chair, assistant, ended, clock=SimulatedClock(), log=log)
     names = (course.name, driver.name, assistant.name)
     footprint, met = config.chair.footprint, chair.people_met()
     return recorder.trace(*names, seed=seed, outcome=str(outcome), footprint=footprint, people_met=met)

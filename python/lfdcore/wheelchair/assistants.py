@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.control import (
+    CommandTiming,
     DynamicWindowConfig,
     PurePursuitResult,
     Supervisor,
@@ -26,7 +27,7 @@ from lfdcore.control import (
 from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
-from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 from lfdcore.wheelchair.pending import PendingCommands
 from lfdcore.wheelchair.planner import COMPLIANT_FROM, PlannedPath, Planner
 from lfdcore.wheelchair.stick import DEAD_ZONE
@@ -92,7 +93,8 @@ class SeeingAssistant(ABC):
         self._watch = Watch(chair, watch)
         self._surroundings = Surroundings(chair, map_duration)
         self._pending = PendingCommands(chair.latency)
-        self._supervisor = None if supervisor is None else Supervisor(chair.footprint, chair.limits, supervisor)
+        timing = CommandTiming(period=chair.period, jitter=chair.jitter)
+        self._supervisor = None if supervisor is None else Supervisor(chair.footprint, chair.limits, supervisor, timing)
 
     def reset(self) -> None:
         """Forgets everything about the drive so far."""
@@ -184,6 +186,7 @@ class DynamicWindowAssistant(SeeingAssistant):
             self.chair.limits,
             self.config,
             wanted,
+            self.chair.period,
         )
         ahead = observation.pose * goal
         end = (float(found.end_point[0]), float(found.end_point[1]))
@@ -245,10 +248,13 @@ class DriveAssistantConfig:
 
 
 class _Smoother:
-    """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant."""
+    """Two low-passes in a row on a twist: bounded angular jerk for a delay of twice the time constant.
 
-    def __init__(self, time_constant: float) -> None:
-        self._time_constant = time_constant
+    time_constant [s]; period [s] until the first tick of a drive.
+    """
+
+    def __init__(self, time_constant: float, period: float) -> None:
+        self._time_constant, self._period = time_constant, period
         self._inner = self._outer = STOP
         self._stamp: float | None = None
 
@@ -259,7 +265,7 @@ class _Smoother:
 
     def filter(self, wanted: Twist2, stamp: float) -> Twist2:
         """The smoothed twist at `stamp` [s]; slowing down is never delayed."""
-        passed = PERIOD if self._stamp is None else stamp - self._stamp
+        passed = self._period if self._stamp is None else stamp - self._stamp
         share = 1.0 if self._time_constant <= 0 else 1.0 - math.exp(-passed / self._time_constant)
         self._stamp = stamp
         self._inner = _between(self._inner, wanted, share)
@@ -325,7 +331,7 @@ class DriveAssistant(SeeingAssistant):
         )
         self.name = name
         self.planner = planner
-        self._smoother = _Smoother(self.config.smoothing)
+        self._smoother = _Smoother(self.config.smoothing, self.chair.period)
         self._held_turn = _HeldTurn()
         self._track: _Track | None = None
 

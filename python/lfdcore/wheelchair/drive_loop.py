@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from lfdcore.geometry import Twist2
-from lfdcore.wheelchair.observation import PERIOD, Assistance, ChairGeometry, Observation
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLogWriter
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-6
 """[s] A tick this much early counts for the one after."""
+LONGEST_PERIOD = 1.0
+"""[s] A chair whose driver is not listened to for longer is not driven."""
 LAST_STAMP = 2.0**31
 """[s] A drive log's stamps end here."""
-JITTER = 0.5
-"""A command holds for a period and this share of it; a tick that comes later finds a chair that brakes."""
 
 
 class Chair(Protocol):
@@ -87,24 +87,24 @@ def drive(
     assistant: Assistant,
     until: Callable[[Tick], bool],
     *,
-    period: float = PERIOD,
     clock: Clock | None = None,
     log: DriveLogWriter | None = None,
 ) -> None:
-    """Resets the assistant, then lets it drive: a tick every `period` [s], recorded in `log`, until `until` says of one
-    that it was the last. It is asked when the tick's command was given and its records were written.
+    """Resets the assistant, then lets it drive: a tick every period of its chair, recorded in `log`, until `until` says
+    of one that it was the last. It is asked when the tick's command was given and its records were written.
 
     A tick that is late is one tick, with the time that it is; those missed meanwhile are left out, not made up for. A
-    command holds for a period and a half, after which the chair brakes. What a late tick's assistant does is said in
-    its WatchConfig.
+    command holds for the chair's period + jitter, after which the chair brakes. What a late tick's assistant does is
+    said in its WatchConfig.
 
     clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is stopped.
-    ValueError, before anything moves, for a period that is not finite and > 0, and for an assistant made for another
-    chair; for a command that is not finite, which the chair is never given.
+    ValueError, before anything moves, for an assistant made for another chair, or for this one at another period, and
+    for a period of more than 1 s; for a command that is not finite, which the chair is never given.
     """
-    if not 0 < period < math.inf:
-        raise ValueError(f"period is {period} s, must be finite and > 0")
     assistant.chair.require_fit(chair.geometry)
+    period, holds = chair.geometry.period, chair.geometry.period + chair.geometry.jitter
+    if period > LONGEST_PERIOD:
+        raise ValueError(f"period is {period} s, must be at most {LONGEST_PERIOD} s to drive a chair")
     clock = clock or WallClock()
     recorder = None if log is None else _Recorder(log)
     number = 0
@@ -115,7 +115,7 @@ def drive(
             observation = chair.observe(stamp)
             assistance = assistant.update(observation)
             _require_finite(assistance.command)
-            chair.command(assistance.command, (1 + JITTER) * period)
+            chair.command(assistance.command, holds)
             if recorder is not None:
                 recorder.record(observation, assistance)
             if until(Tick(stamp, observation, assistance)):
@@ -132,7 +132,8 @@ def _require_finite(command: Twist2) -> None:
 
 class _Recorder:
     """Writes what a chair's drive log holds of each tick (docs/drive-log.md): of every stream what is new, at its own
-    stamp. What has no stamp, repeats one, goes back or is not finite is not written: the log's streams are sound."""
+    stamp. What has no stamp, repeats one, goes back or is not finite is not written, nor a scan without beams: the
+    log's streams are sound."""
 
     def __init__(self, log: DriveLogWriter) -> None:
         self._log = log
@@ -141,7 +142,7 @@ class _Recorder:
     def record(self, seen: Observation, answer: Assistance) -> None:
         if self._is_new("odometry", seen.odometry_stamp, *seen.pose, *seen.twist):
             self._log.odometry(self._newest["odometry"], seen.pose, seen.twist)
-        if self._is_new("scan", seen.scan_stamp):
+        if len(seen.scan.ranges) and self._is_new("scan", seen.scan_stamp):
             self._log.scan(self._newest["scan"], seen.scan)
         if self._is_new("joystick", seen.joystick_stamp, *seen.joystick):
             self._log.joystick(self._newest["joystick"], *seen.joystick)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 PERIOD = 0.1
-"""[s] between ticks: the thesis logs at 10 Hz (Sec. 3.5)"""
+"""[s] between ticks, unless a chair says otherwise: the thesis logs at 10 Hz (Sec. 3.5)"""
+JITTER = 0.5
+"""Share of the period by which a command may come late"""
 MOVING = 0.05
 """[m/s] from which the chair counts as moving"""
 
@@ -34,6 +36,9 @@ class ChairGeometry:
     """The scanner's mounting, in base_link"""
     latency: float = 0.1
     """[s] from a command to the first motion that it causes"""
+    period: float = PERIOD
+    """[s] between two commands. Who drives, watches or supervises this chair takes it from here. More than a second is
+    for replays of logs with rare scans; no chair is driven so."""
     scan_period: float = PERIOD
     """[s] between scans"""
     range_noise: float = 0.01
@@ -44,6 +49,8 @@ class ChairGeometry:
     def __post_init__(self) -> None:
         if not 0 <= self.latency <= 1:
             raise ValueError(f"latency is {self.latency} s, must lie in [0, 1]")
+        if not 0 < self.period <= 10:
+            raise ValueError(f"period is {self.period} s, must lie in (0, 10]")
         if not 0 < self.scan_period < math.inf:
             raise ValueError(f"scan_period is {self.scan_period} s, must be finite and > 0")
         if not 0.001 <= self.range_noise <= 0.2:
@@ -51,10 +58,16 @@ class ChairGeometry:
         if not 0 <= self.odometry_error <= 0.5:
             raise ValueError(f"odometry_error is {self.odometry_error}, must be a share in [0, 0.5]")
 
+    @property
+    def jitter(self) -> float:
+        """[s] by which a command may come late: it holds for period + jitter, after which the chair brakes."""
+        return JITTER * self.period
+
     def require_fit(self, chair: ChairGeometry) -> None:
-        """ValueError unless an assistant made for this chair may drive `chair`: outline, limits and mounting are the
-        same, and `chair` is no slower, noisier or more wrong than this one."""
-        for name in ("footprint", "limits", "T_base_laser"):
+        """ValueError unless an assistant made for this chair may drive `chair`: outline, limits, mounting and period
+        are the same, and `chair` is no slower, noisier or more wrong than this one. A shorter period does not fit
+        either: what was tested is a command that acts for just so long."""
+        for name in ("footprint", "limits", "T_base_laser", "period"):
             mine, its = getattr(self, name), getattr(chair, name)
             if mine != its:
                 raise ValueError(f"the assistant was made for a chair whose {name} is {mine}, but it is {its}")
@@ -62,6 +75,11 @@ class ChairGeometry:
             mine, its = getattr(self, name), getattr(chair, name)
             if its > mine:
                 raise ValueError(f"the assistant was made for a chair whose {name} is {mine}, but it is more: {its}")
+
+    def replayed(self, log: DriveLog) -> ChairGeometry:
+        """The same chair in a replay of `log`, where a tick is a scan: it has the usual period of the log's scans."""
+        period = usual_period(log.scan_stamp)
+        return replace(self, period=period, scan_period=period)
 
     @staticmethod
     def thesis(T_base_laser: Pose2 | None = None) -> ChairGeometry:
@@ -129,6 +147,11 @@ class Assistance:
     """Of pure pursuit or DWA [m] in base_link."""
     supervised: bool = False
     """True if the supervisor changed the command."""
+
+
+def usual_period(stamps: NDArray[np.float64]) -> float:
+    """The median [s] between stamps (T,) [s]; PERIOD where there are fewer than two."""
+    return float(np.median(np.diff(stamps))) if len(stamps) > 1 else PERIOD
 
 
 def observations(log: DriveLog) -> Iterator[Observation]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lfdcore.control import SupervisorConfig
 from lfdcore.geometry import Pose2, Twist2, approach, wrap_angle
 from lfdcore.grid import LaserScan, read_beams
-from lfdcore.wheelchair.observation import PERIOD, ChairGeometry, Observation
+from lfdcore.wheelchair.observation import ChairGeometry, Observation, usual_period
 from lfdcore.wheelchair.stick import DEAD_ZONE
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ HALTS = (SILENT, STALE, BLIND, LATE, FAULT)
 UNTIL_NEUTRAL = (SILENT, FAULT)
 """Of these, what only a stick at neutral ends"""
 _SUPERVISOR = SupervisorConfig()
-"""Whose jitter and creeping the watch shares"""
+"""Whose creeping the watch shares"""
 FAR_AHEAD = 0.05
 """[s] A stamp later than now by more than this has no age."""
 
@@ -42,12 +42,9 @@ class WatchConfig:
     stale_after: float = 0.2
     """A scan or odometry older than this [s] is stale, but a scan not within `stale_periods` of its period."""
     stale_periods: float = 2.5
-    late_after: float = 0.35
-    """Ticks farther apart than this [s] stop the chair ..."""
-    jitter: float = _SUPERVISOR.jitter
-    """... and those farther apart than the period by more than this [s] slow it down, in proportion."""
-    period: float = PERIOD
-    """[s] between ticks, as they are meant to come"""
+    late_periods: float = 3.5
+    """Ticks farther apart than so many of the chair's periods stop it; those farther apart than a command holds (its
+    period + jitter) slow it down, in proportion."""
     sector: float = math.radians(30)
     """A scan is judged by sectors of this width [rad] ..."""
     ahead: float = math.radians(60)
@@ -81,18 +78,12 @@ class WatchConfig:
 
     @staticmethod
     def of(log: DriveLog) -> WatchConfig:
-        """For a replay, where a tick is a scan: a stream is missing after 2.5 of its own usual periods (medians)."""
-        scan, stick, odometry = (
-            float(np.median(np.diff(stamps))) if len(stamps) > 1 else PERIOD
-            for stamps in (log.scan_stamp, log.joystick_stamp, log.odometry_stamp)
-        )
+        """For a replay: stick and odometry are missing after 2.5 of their own usual periods. Its ticks and scans come
+        as its chair says (ChairGeometry.replayed)."""
         usual = WatchConfig()
         return WatchConfig(
-            period=scan,
-            late_after=max(usual.late_after, 3.5 * scan),
-            jitter=max(usual.jitter, 0.5 * scan),
-            silent_after=max(usual.silent_after, usual.stale_periods * stick),
-            stale_after=max(usual.stale_after, usual.stale_periods * max(odometry, scan)),
+            silent_after=max(usual.silent_after, usual.stale_periods * usual_period(log.joystick_stamp)),
+            stale_after=max(usual.stale_after, usual.stale_periods * usual_period(log.odometry_stamp)),
         )
 
 
@@ -114,7 +105,7 @@ class Watch:
         """A new drive: forgets all stamps."""
         self._stamps: dict[str, float] = {}
         self._now = -math.inf
-        self._interval = self.config.period
+        self._interval = self.chair.period
         self._until_neutral: str | None = None
         self._set_off = -math.inf
         self._halted = False
@@ -146,9 +137,9 @@ class Watch:
     def limited(self, wanted: Twist2, stamp: float) -> Twist2:
         """A command of this tick as far as the watch lets it: ramped up after a stop, slowed down while ticks come
         late, creeping while no scan hits anything."""
-        config = self.config
-        ramp = (stamp - self._set_off + config.period) / config.ramp
-        late = (config.period + config.jitter) / self._interval
+        config, chair = self.config, self.chair
+        ramp = (stamp - self._set_off + chair.period) / config.ramp
+        late = (chair.period + chair.jitter) / self._interval
         share = min(1.0, ramp, late)
         if stamp - self._scanner.last_hit > config.seen_within:
             fastest = max(abs(wanted.linear) / config.creep_linear, abs(wanted.angular) / config.creep_angular)
@@ -182,7 +173,7 @@ class Watch:
         passed = observation.stamp - self._now
         if passed == 0:
             return STALE
-        return LATE if math.isfinite(passed) and passed > self.config.late_after else None
+        return LATE if math.isfinite(passed) and passed > self.config.late_periods * self.chair.period else None
 
     def _staleness(self, observation: Observation) -> str | None:
         config = self.config
@@ -194,7 +185,7 @@ class Watch:
         """The longest interval counts, and is forgotten by and by."""
         passed = observation.stamp - self._now
         if math.isfinite(passed) and passed > 0:
-            self._interval = max(passed, self.config.period, self._interval * math.exp(-passed / self.config.ramp))
+            self._interval = max(passed, self.chair.period, self._interval * math.exp(-passed / self.config.ramp))
         if math.isfinite(observation.stamp):
             self._now = observation.stamp
 
@@ -267,7 +258,7 @@ class _Odometry:
         passed = stamp - before
         if self._jumped(pose, observation, passed):
             return self._forget()
-        if passed > self._config.stale_after:  # who knows what was meanwhile
+        if passed > max(self._config.stale_after, self._chair.period + self._chair.jitter):  # what was meanwhile?
             self._forget()
             return False
         return self._contradicts(pose, observation, passed) and self._forget()

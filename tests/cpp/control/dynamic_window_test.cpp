@@ -18,11 +18,11 @@ Path random_points(std::mt19937& random, int count, double half_size) {
 // Alg. 8 as printed (ERRATA 47: as a cost, without an initial best): every twist, every step, every point.
 DynamicWindowResult slow_dynamic_window(const Twist2& current, const Eigen::Vector2d& goal, const ObstaclePoints& z,
                                         const Footprint& footprint, const MotionLimits& limits,
-                                        const DynamicWindowConfig& config) {
+                                        const DynamicWindowConfig& config, double period) {
   DynamicWindowResult best;
   best.cost = std::numeric_limits<double>::infinity();
-  const Twist2 low = approach(current, {-limits.max_reverse, -limits.max_angular}, limits, config.period);
-  const Twist2 high = approach(current, {limits.max_linear, limits.max_angular}, limits, config.period);
+  const Twist2 low = approach(current, {-limits.max_reverse, -limits.max_angular}, limits, period);
+  const Twist2 high = approach(current, {limits.max_linear, limits.max_angular}, limits, period);
   for (int i = 0; i < config.linear_samples; ++i) {
     for (int j = 0; j < config.angular_samples; ++j) {
       const Twist2 twist{low.linear + (high.linear - low.linear) * i / (config.linear_samples - 1),
@@ -47,11 +47,12 @@ TEST(DynamicWindow, agrees_with_trying_every_twist_step_and_point) {
     const ObstaclePoints z(random_points(random, 1 + trial % 20, 3));
     const Twist2 current{0.3 + 0.7 * unit(random), unit(random)};
     const Eigen::Vector2d goal(1 + 2 * unit(random), 2 * unit(random));
-    const auto fast = solve_dynamic_window(current, goal, z, {}, {}, {});
-    const auto slow = slow_dynamic_window(current, goal, z, {}, {}, {});
+    const double period = 0.05 * (1 + trial % 4);
+    const auto fast = solve_dynamic_window(current, goal, z, {}, {}, {}, {}, period);
+    const auto slow = slow_dynamic_window(current, goal, z, {}, {}, {}, period);
     ASSERT_EQ(fast.feasible, slow.feasible);
     infeasible += !fast.feasible;
-    detours += fast.feasible && fast.cost > solve_dynamic_window(current, goal, {}, {}, {}, {}).cost + 1e-9;
+    detours += fast.feasible && fast.cost > solve_dynamic_window(current, goal, {}, {}, {}, {}, {}, period).cost + 1e-9;
     if (!fast.feasible) continue;
     EXPECT_NEAR(fast.cost, slow.cost, 1e-9);
     EXPECT_NEAR((fast.end_point - slow.end_point).norm(), 0, 1e-6);
@@ -109,6 +110,7 @@ TEST(DynamicWindow, a_longer_horizon_stops_it_farther_from_the_table) {  // Sec.
 TEST(DynamicWindow, refuses_bad_input) {
   EXPECT_THROW(solve_dynamic_window({NAN, 0}, {1, 0}, {}, {}, {}), std::invalid_argument);
   EXPECT_THROW(solve_dynamic_window({}, {NAN, 0}, {}, {}, {}), std::invalid_argument);
+  EXPECT_THROW(solve_dynamic_window({}, {1, 0}, {}, {}, {}, {}, {}, 0), std::invalid_argument);
   DynamicWindowConfig config;
   config.step = 3;
   EXPECT_THROW(solve_dynamic_window({}, {1, 0}, {}, {}, {}, config), std::invalid_argument);

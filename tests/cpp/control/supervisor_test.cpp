@@ -92,12 +92,13 @@ double margin_at(double linear, const SupervisorConfig& config) {
 TEST(Supervisor, a_command_is_refused_exactly_when_stopping_takes_more_than_the_room_there_is) {
   const MotionLimits limits;
   const SupervisorConfig config;
-  Supervisor supervisor({}, limits, config);
   std::mt19937 random(6);
   std::uniform_real_distribution<double> speed(0.3, 1.0);
   for (int trial = 0; trial < 100; ++trial) {
+    const CommandTiming timing{0.05 * (1 + trial % 4), 0.025 * (1 + trial % 3)};
+    Supervisor supervisor({}, limits, config, timing);
     const double v = speed(random);
-    const double follow = config.period + config.jitter, braking = limits.linear_braking * (1 - config.dynamics_error);
+    const double follow = timing.period + timing.jitter, braking = limits.linear_braking * (1 - config.dynamics_error);
     const double needed = v * (1 + config.speed_error) * (follow + v / (2 * braking)) + margin_at(v, config);
     const auto filter = [&](double room) {
       return supervisor.filter({v, 0}, {v, 0}, ObstaclePoints(wall_ahead(0.8 + room)));
@@ -112,9 +113,10 @@ TEST(Supervisor, agrees_with_rolling_out_in_millisecond_steps) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const MotionLimits limits;
   SupervisorConfig config;  // no errors: as declared
-  config.dynamics_error = config.speed_error = config.jitter = 0;
+  config.dynamics_error = config.speed_error = 0;
   config.least_margin = config.margin;
-  Supervisor supervisor({}, limits, config);
+  const CommandTiming timing{0.1, 0};
+  Supervisor supervisor({}, limits, config, timing);
   int admissible = 0, refused = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const Path points = random_world(random, 0.95);
@@ -123,7 +125,7 @@ TEST(Supervisor, agrees_with_rolling_out_in_millisecond_steps) {
     Chair chair{{}, current, 1e9, 1};
     for (const TimedTwist& command : pending)
       chair.drive(command.twist, command.duration, ObstaclePoints(points), limits);
-    chair.drive(wanted, config.period, ObstaclePoints(points), limits);
+    chair.drive(wanted, timing.period, ObstaclePoints(points), limits);
     chair.drive({}, 1.0, ObstaclePoints(points), limits);
     const double least = chair.least_clearance;
     const double margin = std::min(config.margin, ObstaclePoints(points).clearance({}, {}));
@@ -322,10 +324,9 @@ TEST(Supervisor, refuses_bad_input) {
   EXPECT_THROW(supervisor.filter({}, {}, {}, endless), std::invalid_argument);
   EXPECT_THROW(supervisor.filter({}, {}, {}, wild), std::invalid_argument);
   EXPECT_THROW(supervisor.filter({}, {}, {}, {}, -0.1), std::invalid_argument);
+  for (const CommandTiming& timing : {CommandTiming{0.1, -0.05}, CommandTiming{0, 0}, CommandTiming{NAN, 0}})
+    EXPECT_THROW(Supervisor({}, {}, {}, timing), std::invalid_argument);
   SupervisorConfig config;
-  config.jitter = -0.05;
-  EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
-  config = {};
   config.least_margin = 2 * config.margin;
   EXPECT_THROW(Supervisor({}, {}, config), std::invalid_argument);
   MotionLimits limits;

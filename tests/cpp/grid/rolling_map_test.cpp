@@ -37,8 +37,9 @@ TEST(RollingMap, keeps_its_state_when_it_refuses_a_scan) {
   RollingMap map;
   map.insert(1.0, ring(0), {0.70, 0, 0}, {});
   const std::size_t size = map.size();
-  LaserScan empty;
-  EXPECT_THROW(map.insert(2.0, empty, {0.70, 0, 0}, {}), std::invalid_argument);
+  LaserScan broken = ring(1);
+  broken.angle_increment = 0;
+  EXPECT_THROW(map.insert(2.0, broken, {0.70, 0, 0}, {}), std::invalid_argument);
   EXPECT_THROW(map.insert(0.5, ring(1), {0.70, 0, 0}, {}), std::invalid_argument);
   EXPECT_EQ(map.size(), size);
 }
@@ -86,9 +87,7 @@ TEST_P(Noise, a_wall_seen_from_a_standing_chair_is_one_sharp_row_of_points) {
     if (k % 200 != 0) continue;
     EXPECT_LE(map.size(), 181u);
     const ObstaclePoints seen = map.obstacles({});
-    int told = 0;
-    for (const double u : seen.uncertainty()) told += u <= 0.01;
-    EXPECT_EQ(told, seen.points().rows());
+    for (const double u : seen.uncertainty()) EXPECT_LE(u, 0.01);
   }
   const Spread spread = behind_wall_ahead(map, 3);
   if (3 * noise / 10 < 0.015) {  // else each point is given with a nearer one

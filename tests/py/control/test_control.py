@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lfdcore.control import (
+    CommandTiming,
     DynamicWindowConfig,
     Supervisor,
     SupervisorConfig,
@@ -131,7 +132,6 @@ def test_dynamic_window_of_one_twist_is_the_middle_of_the_window() -> None:
 @pytest.mark.parametrize(
     ("config", "message"),
     [
-        ({"jitter": -0.05}, r"jitter is -0.05 s, must be between 0 and 10"),
         ({"margin": -0.01}, r"margin is -0.01 m, must be between 0 and 1"),
         ({"least_margin": math.nan}, r"least_margin is nan m"),
         ({"least_margin": 0.05}, r"least_margin is 0.05 m, must be between 0 and 0.04"),
@@ -143,6 +143,20 @@ def test_dynamic_window_of_one_twist_is_the_middle_of_the_window() -> None:
 def test_supervisor_config_names_what_is_wrong(config: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         SupervisorConfig(**config)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("timing", "message"),
+    [
+        ({"jitter": -0.05}, r"jitter is -0.05 s, must be between 0 and 10"),
+        ({"period": 0.0}, r"period is 0 s, must be positive"),
+        ({"period": 11.0}, r"period is 11 s, must be between 0 and 10"),
+        ({"period": math.nan}, r"period is nan s"),
+    ],
+)
+def test_command_timing_names_what_is_wrong(timing: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        CommandTiming(**timing)
 
 
 def test_commands_that_are_not_numbers_are_refused_by_name() -> None:
@@ -178,9 +192,9 @@ def test_what_is_pending_unseen_or_old_is_told_by_keyword() -> None:
 
 
 def test_configs_and_supervisors_cross_process_borders() -> None:
-    config = SupervisorConfig(margin=0.05, jitter=0.4, angular_samples=9)
-    supervisor = pickle.loads(pickle.dumps(Supervisor(Footprint(0.9), MotionLimits(max_linear=0.7), config)))
-    assert (supervisor.config.margin, supervisor.config.jitter, supervisor.config.angular_samples) == (0.05, 0.4, 9)
+    config, timing = SupervisorConfig(margin=0.05, angular_samples=9), CommandTiming(period=0.2, jitter=0.4)
+    supervisor = pickle.loads(pickle.dumps(Supervisor(Footprint(0.9), MotionLimits(max_linear=0.7), config, timing)))
+    assert (supervisor.config, supervisor.timing) == (config, timing)
     assert (supervisor.footprint.front, supervisor.limits.max_linear) == (0.9, 0.7)
     window = pickle.loads(pickle.dumps(DynamicWindowConfig(horizon=1.0, linear_samples=5)))
     assert (window.horizon, window.linear_samples, window.angular_samples) == (1.0, 5, 21)

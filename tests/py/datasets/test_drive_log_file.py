@@ -319,6 +319,7 @@ def test_a_writer_refuses_what_no_reader_could_accept_and_goes_on(writer: DriveL
     refused = [
         (lambda: writer.scan(0.5, scan), "stamp on /scan goes back from 1.0 s to 0.5 s"),
         (lambda: writer.scan(2.0, LaserScan([1.0] * 3, -1.0, 1.0)), r"of a scan are \(3.0,"),
+        (lambda: writer.scan(2.0, LaserScan([], -1.0, 1.0)), "a scan has 0 beams, must have at least 1"),
         (lambda: writer.joystick(np.nan, 0, 0), "stamp is nan s"),
         (lambda: writer.joystick(-1.0, 0, 0), r"stamp is -1.0 s, must lie in \[0, 2\^31\)"),
         (lambda: writer.joystick(2.0, 1.5, 0), r"forward on /joy is 1.5, must lie in \[-1, 1\]"),

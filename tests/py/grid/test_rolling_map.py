@@ -273,6 +273,23 @@ def test_a_point_is_forgotten_after_its_duration_and_not_before() -> None:
     assert len(rolling) == 0
 
 
+def test_a_scan_without_beams_is_as_one_that_measured_nothing() -> None:
+    maps = [RollingMap(duration=2.0, own_body=Footprint()) for _ in range(2)]
+    poses = [Pose2(0.05 * k, 0.0, 0.02 * k) for k in range(60)]
+    for rolling, blind in zip(maps, (np.zeros(0), np.full(181, np.nan)), strict=True):
+        for k, pose in enumerate(poses):
+            scan = scan_of(np.full(181, 2.0)) if k % 7 == 0 and k < 30 else scan_of(blind)
+            rolling.insert(0.1 * k, scan, LASER, pose)
+    for empty, measured_nothing in zip(*(views(one, poses) for one in maps), strict=True):
+        np.testing.assert_array_equal(empty, measured_nothing)
+
+
+def views(rolling: RollingMap, poses: list[Pose2]) -> list[Array]:
+    """All that it says at some poses."""
+    unseen = [rolling.unseen(pose, Footprint(), 1.5).points for pose in poses[::10]]
+    return [*(rolling.obstacles(pose).points for pose in poses[::10]), *unseen, rolling.local_grid(poses[-1]).data]
+
+
 @pytest.mark.parametrize(
     ("beam", "kept"),
     [
@@ -430,7 +447,7 @@ def test_what_makes_no_sense_is_refused_by_name() -> None:
             RollingMap(odometry_error=share)
     with pytest.raises(ValueError, match="footprint"):
         RollingMap(own_body=Footprint(math.inf, 0.3, 0.3))
-    for reach in (-0.1, 10.1, math.nan):
+    for reach in (-0.1, 20.1, math.nan):
         with pytest.raises(ValueError, match="reach"):
             rolling.unseen(Pose2(), Footprint(), reach)
     with pytest.raises(ValueError, match="T_odom_base"):

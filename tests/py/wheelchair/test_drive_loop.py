@@ -23,10 +23,10 @@ SCAN = LaserScan(np.full(5, 2.0, np.float32), -1.0, 0.5, 0.0, 30.0)
 class Wheels:
     """The least chair: it notes what it is asked."""
 
-    geometry = CHAIR
-
-    def __init__(self) -> None:
+    def __init__(self, geometry: ChairGeometry = CHAIR) -> None:
+        self.geometry = geometry
         self.calls: list[tuple[str, float]] = []
+        self.holds: list[float] = []
 
     def observe(self, stamp: float) -> Observation:
         self.calls.append(("observe", stamp))
@@ -34,6 +34,7 @@ class Wheels:
 
     def command(self, twist: Twist2, duration: float) -> None:
         self.calls.append(("command", twist.linear))
+        self.holds.append(duration)
 
     def stop(self) -> None:
         self.calls.append(("stop", 0.0))
@@ -101,6 +102,17 @@ def test_a_scan_that_several_ticks_see_is_recorded_once(tmp_path: Path) -> None:
     np.testing.assert_allclose(open_log(tmp_path / "drive.mcap").scan_stamp, [0.0, 0.2])
 
 
+def test_a_scan_without_beams_is_not_recorded_and_the_drive_goes_on(tmp_path: Path) -> None:
+    class Broken(Wheels):
+        def observe(self, stamp: float) -> Observation:
+            seen = super().observe(stamp)
+            return seen if stamp > 0.05 else replace(seen, scan=LaserScan([], -1.0, 0.5, 0.0, 30.0))
+
+    with DriveLogWriter(tmp_path / "drive.mcap", T_base_laser=Pose2(0.5, 0, 0)) as log:
+        drive(Broken(), Unassisted(CHAIR), ticks(3), clock=SimulatedClock(), log=log)
+    np.testing.assert_allclose(open_log(tmp_path / "drive.mcap").scan_stamp, [0.1, 0.2])
+
+
 def test_the_chair_is_stopped_when_the_assistant_cannot_begin() -> None:
     class Unready(Unassisted):
         def reset(self) -> None:
@@ -123,17 +135,34 @@ def test_a_command_that_is_not_finite_stops_the_chair_and_is_never_given() -> No
     assert chair.calls == [("observe", 0.0), ("stop", 0.0)]
 
 
-@pytest.mark.parametrize("period", [0.0, -0.1, float("nan"), float("inf")])
-def test_a_period_that_is_none_is_refused_before_anything_moves(period: float) -> None:
-    chair = Wheels()
-    with pytest.raises(ValueError, match="period is"):
-        drive(chair, Unassisted(CHAIR), ticks(1), period=period)
+@pytest.mark.parametrize("period", [0.05, 0.1, 0.2])
+def test_ticks_come_as_the_chair_says_and_a_command_holds_for_half_a_period_longer(period: float) -> None:
+    chair, seen = Wheels(replace(CHAIR, period=period)), ticks(3)
+    drive(chair, Unassisted(chair.geometry), seen, clock=SimulatedClock())
+    assert [tick.stamp for tick in seen] == pytest.approx([0.0, period, 2 * period])
+    assert chair.holds == pytest.approx([1.5 * period] * 3)
+
+
+@pytest.mark.hazard("The loop is not as fast as the supervisor thinks", "refused before anything moves")
+@pytest.mark.parametrize("period", [0.05, 0.2])
+def test_an_assistant_made_for_another_period_is_refused_before_anything_moves(period: float) -> None:
+    chair = Wheels(replace(CHAIR, period=period))
+    with pytest.raises(ValueError, match=rf"whose period is 0\.1, but it is {period}"):
+        drive(chair, Unassisted(CHAIR), ticks(1), clock=SimulatedClock())
+    assert chair.calls == []
+
+
+def test_a_chair_whose_driver_is_heard_once_in_two_seconds_is_not_driven() -> None:
+    chair = Wheels(replace(CHAIR, period=2.0))
+    with pytest.raises(ValueError, match=r"period is 2\.0 s, must be at most 1\.0 s"):
+        drive(chair, Unassisted(chair.geometry), ticks(1), clock=SimulatedClock())
     assert chair.calls == []
 
 
 def test_by_the_wall_clock_no_tick_comes_before_it_is_due() -> None:
     seen = ticks(3)
-    drive(Wheels(), Unassisted(CHAIR), seen, period=0.02)
+    quick = replace(CHAIR, period=0.02)
+    drive(Wheels(quick), Unassisted(quick), seen)
     assert all(tick.stamp >= 0.02 * number for number, tick in enumerate(seen))
     clock = WallClock()
     assert 0 <= clock.wait_until(-1.0) < clock.wait_until(0.01)

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lfdcore/control/command_timing.hpp"
 #include "lfdcore/control/near_points.hpp"
 #include "lfdcore/control/stopping_rollouts.hpp"
 #include "lfdcore/geometry.hpp"
@@ -14,8 +15,6 @@
 namespace lfdcore {
 
 struct SupervisorConfig {
-  double period = 0.1;            ///< between two commands [s]
-  double jitter = 0.05;           ///< by which the next command may come late [s]
   double margin = 0.04;           ///< distance to keep between footprint and points at speed [m]
   double least_margin = 0.015;    ///< ... and at standstill; in between in proportion to the speed [m]
   double margin_linear = 0.5;     ///< speed from which `margin` is kept [m/s] ...
@@ -49,7 +48,8 @@ struct SupervisorResult {
 ///
 /// A command is admissible if no roll-out of it brings a point nearer to the footprint than the point has to keep. The
 /// roll-outs (StoppingRollouts) start with the current twist, obey the commands that are pending, then this one for
-/// `period`, up to `jitter` longer, and brake to a standstill, with all that the errors allow. A point has to keep
+/// `period`, up to `jitter` longer (CommandTiming), and brake to a standstill, with all that the errors allow. A point
+/// has to keep
 ///
 ///     least_margin .. margin, by the speed  +  its uncertainty  +  obstacle_speed (its age + time until standstill),
 ///
@@ -61,10 +61,10 @@ struct SupervisorResult {
 /// grid of twists that may replace it, moved towards it as far as that is admissible; then 0. See `may_replace`.
 class Supervisor {
  public:
-  /// Throws std::invalid_argument for invalid limits or config, a footprint that is not positive, or limits that
-  /// need more than 30 s to stop.
+  /// Throws std::invalid_argument for invalid limits, config or timing, a footprint that is not positive, or limits
+  /// that need more than 30 s to stop.
   explicit Supervisor(const Footprint& footprint = {}, const MotionLimits& limits = {},
-                      const SupervisorConfig& config = {});
+                      const SupervisorConfig& config = {}, const CommandTiming& timing = {});
 
   /// `wanted` beyond the limits is cut to them (and reported as changed). `current` is the chair's twist now.
   /// `obstacles` in base_link; without points everything is admissible, so a caller whose scan is stale must want 0.
@@ -86,6 +86,7 @@ class Supervisor {
   const Footprint& footprint() const { return footprint_; }
   const MotionLimits& limits() const { return limits_; }
   const SupervisorConfig& config() const { return config_; }
+  const CommandTiming& timing() const { return timing_; }
 
  private:
   struct Candidate {
@@ -126,6 +127,7 @@ class Supervisor {
   Footprint footprint_;
   MotionLimits limits_;
   SupervisorConfig config_;
+  CommandTiming timing_;
   // Of the call in progress:
   double age_ = 0, fastest_linear_ = 0, fastest_angular_ = 0;  // of the chair before the new command acts
   NearPoints points_, unseen_;

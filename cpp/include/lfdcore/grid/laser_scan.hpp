@@ -8,6 +8,7 @@
 namespace lfdcore {
 
 /// Ranges as REP-117 has them: +inf = nothing within range_max, -inf = closer than range_min, NaN = no measurement.
+/// A scan without beams is one in which nothing was measured, as a broken scanner gives it.
 struct LaserScan {
   std::vector<float> ranges;          ///< [m]
   double angle_min = -pi / 2;         ///< of beam 0, in the laser's frame [rad]
@@ -21,8 +22,8 @@ struct LaserScan {
 /// Throws std::invalid_argument unless 0 <= range_min <= 1000 m and range_min < range_max, which is finite.
 void require_range_limits(double range_min, double range_max);
 
-/// Throws std::invalid_argument for a scan without beams, with a zero or non-finite increment, or
-/// range limits that require_range_limits refuses.
+/// Throws std::invalid_argument for a scan with a zero or non-finite increment, or range limits that
+/// require_range_limits refuses.
 void validate(const LaserScan& scan);
 
 }  // namespace lfdcore

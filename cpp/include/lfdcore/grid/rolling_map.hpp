@@ -44,9 +44,10 @@ class RollingMap {
  public:
   explicit RollingMap(const RollingMapConfig& config = {});
 
-  /// Adds a scan taken at `stamp` [s]. Allocates nothing once its buffers have grown to the scan's size.
-  /// Throws std::invalid_argument, and changes nothing, for an invalid scan, a pose that is not finite or farther than
-  /// 1e7 m, or a stamp before the last one (an equal one, of a second LIDAR, is accepted).
+  /// Adds a scan taken at `stamp` [s]; one without beams is as one whose beams all measured nothing. Allocates nothing
+  /// once its buffers have grown to the scan's size. Throws std::invalid_argument, and changes nothing, for an invalid
+  /// scan, a pose that is not finite or farther than 1e7 m, or a stamp before the last one (an equal one, of a second
+  /// LIDAR, is accepted).
   void insert(double stamp, const LaserScan& scan, const Pose2& T_base_laser, const Pose2& T_odom_base);
 
   /// The remembered points within `radius` of base_link, in base_link, each with 3 standard errors as its uncertainty.
@@ -61,7 +62,7 @@ class RollingMap {
   /// known, no farther from the outline of `body` than `reach` [m]. What lies under the body is known, and what was
   /// under `own_body` in any of the scans. Gaps of less than 0.25 m, as between the beams of a scan, count as seen, but
   /// not within 0.25 m of a point: there they are the inside and the far side of a thing. Throws std::invalid_argument
-  /// for a pose that is not finite, a footprint beyond 100 m or a reach outside [0, 10] m.
+  /// for a pose that is not finite, a footprint beyond 100 m or a reach outside [0, 20] m.
   ObstaclePoints unseen(const Pose2& T_odom_base, const Footprint& body, double reach) const;
 
   /// The window around base_link, 100 x 100 cells: occupied where a remembered point lies, else free where the cell

@@ -51,9 +51,11 @@ CONDITIONS = {
     "10 % of beams dropped": Condition(_scanner(ScannerFaults(dropped=0.1)), True),
     "20 beams": Condition(_scanner(beams=20), False),
     "5 Hz scans": Condition(_scanner(ScannerFaults(period=0.2)), True),
+    "5 Hz commands": Condition(RunConfig(period=0.2), True),
+    "20 Hz commands": Condition(RunConfig(period=0.05), True),
     "a point inside the outline": Condition(_scanner(FOOT), True),
     "late ticks": Condition(RunConfig(), True, LATE),
     "12 people": Condition(RunConfig(people=PeopleConfig()), True),
 }
-"""The assistant knows of each what its chair declares: latency, period of the scans, noise and slip; not what is
+"""The assistant knows of each what its chair declares: latency, periods of commands and scans, noise and slip; not what is
 dropped, of the foot, of ticks to come, nor who walks there."""

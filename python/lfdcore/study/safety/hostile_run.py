@@ -106,7 +106,7 @@ class HostileRun:
         chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
         count = _Count(chair, Standing(course.grid, run), self.seconds)
         clock = UnsteadyClock(condition.ticks, self.seed)
-        drive(chair, make_assistant(self.arm, self.models, run), count, period=run.period, clock=clock)
+        drive(chair, make_assistant(self.arm, self.models, run), count, clock=clock)
         return count.result()
 
 
