@@ -258,7 +258,8 @@ class _Odometry:
         passed = stamp - before
         if self._jumped(pose, observation, passed):
             return self._forget()
-        if passed > max(self._config.stale_after, self._chair.period + self._chair.jitter):  # what was meanwhile?
+        longest = max(self._config.stale_after, self._chair.period + self._chair.jitter)
+        if passed > longest:  # who knows what was meanwhile
             self._forget()
             return False
         return self._contradicts(pose, observation, passed) and self._forget()

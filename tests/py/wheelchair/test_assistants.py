@@ -397,6 +397,13 @@ def test_in_the_open_dwa_drives_at_the_share_of_its_projection_in_its_horizon() 
     assert end.command.linear == pytest.approx(dwa.projection / dwa.config.horizon, abs=0.02)
 
 
+@pytest.mark.parametrize("period", [0.05, 0.1, 0.2])
+def test_dwa_asks_for_what_the_chair_reaches_until_the_next_command(period: float) -> None:
+    dwa = DynamicWindowAssistant(dataclasses.replace(CHAIR, period=period))
+    ahead = observed(0.0, seen_from(Pose2(), FAR), (1.0, 0.0))
+    assert dwa.update(ahead).command.linear == pytest.approx(LIMITS.linear_acceleration * period)
+
+
 @pytest.mark.hazard("The chair turns by itself", "it turns to the side of the stick")
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("name", ["supervisor", "dwa", "primitives"])
