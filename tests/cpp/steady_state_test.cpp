@@ -47,6 +47,14 @@ TEST_F(SteadyState, of_the_supervisor_does_not_allocate) {
   EXPECT_EQ(allocations_of([&] { supervisor.filter({0.8, 0.5}, {0.7, 0.1}, obstacles); }), 0);
 }
 
+TEST_F(SteadyState, of_the_supervisor_beside_a_wall_that_touches_does_not_allocate) {
+  Supervisor supervisor;
+  Path points(200, 2);
+  for (int i = 0; i < 200; ++i) points.row(i) << -2.0 + 0.03 * i, 0.348 + 0.001 * (i % 3);
+  const ObstaclePoints wall(points);
+  EXPECT_EQ(allocations_of([&] { supervisor.filter({0.1, 0}, {}, wall); }), 0);
+}
+
 TEST_F(SteadyState, of_the_dynamic_window_does_not_allocate) {
   const Eigen::Vector2d goal(0.9, 0.2);
   EXPECT_EQ(allocations_of([&] { solve_dynamic_window({0.7, 0.1}, goal, obstacles, footprint, limits); }), 0);

@@ -61,8 +61,10 @@ void bind_supervisor(py::module_& m) {
       "the footprint "
       "than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + "
       "its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 "
-      "inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in "
-      "turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their "
+      "inside the footprint: a point that is too near must not come nearer, and says nothing about others. A chair "
+      "that "
+      "creeps straight on may pass what is surely beside its way, and a wall that touches its side. Tried in turn: the "
+      "wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their "
       "distance to it; 0.\n\n"
       "Raises ValueError for invalid limits, config or timing. Not for use from two threads at once.")
       .def(py::init<const Footprint&, const MotionLimits&, const Config&, const CommandTiming&>(),
@@ -85,6 +87,8 @@ void bind_supervisor(py::module_& m) {
           "Raises ValueError for a non-finite twist, a current or pending one beyond 10 times the limits, a duration "
           "or "
           "an age that is not in [0, 10] s.")
+      .def("reset", &Supervisor::reset,
+           "Forgets how near the walls were that touch the chair's sides. A wanted twist of 0 does so, too.")
       .def(
           "may_replace", &Supervisor::may_replace, py::arg("wanted"), py::arg("twist"),
           "Whether a twist may stand in for the wanted one (within the limits), as far as the driver is concerned. "

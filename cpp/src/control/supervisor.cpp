@@ -77,6 +77,11 @@ void Supervisor::require_valid(const Twist2& wanted, const Twist2& current, std:
   require_between("age", age, 0, longest_prospect, "s");
 }
 
+void Supervisor::reset() {
+  for (auto& ways : sides_)
+    for (SideContact& way : ways) way.let_go();
+}
+
 SupervisorResult Supervisor::filter(const Twist2& wanted, const Twist2& current, const ObstaclePoints& obstacles,
                                     std::span<const TimedTwist> pending, double age, const ObstaclePoints& unseen) {
   require_valid(wanted, current, pending, age);
@@ -116,8 +121,10 @@ void Supervisor::look(const Twist2& aim, const Twist2& current, const ObstaclePo
   const double travel = speed * (1 + config_.speed_error) * (following + stopping / 2);
   const double approach = config_.obstacle_speed * (age_ + following + std::max(stopping, turning));
   const double reach = travel + footprint_.outer_radius() + rounding;
-  points_.gather(obstacles, reach + config_.margin + approach, footprint_, config_.passing_margin);
-  unseen_.gather(unseen, reach, footprint_, config_.passing_margin);
+  points_.gather(obstacles, reach + config_.margin + approach, footprint_);
+  if (size(aim) == 0) reset();
+  points_.let_pass(footprint_, config_.passing_margin, sides_);
+  unseen_.gather(unseen, reach, footprint_);
   rollouts_.start(current, pending);
 }
 

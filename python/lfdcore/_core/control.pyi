@@ -347,7 +347,7 @@ class Supervisor:
     """
     Lets commands through that leave the chair able to stop: the admissible command nearest to the wanted one. What it promises, and on what assumptions: docs/safety.md.
 
-    A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for the timing's `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 inside the footprint: a point that is too near must not come nearer, and says nothing about others. Tried in turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their distance to it; 0.
+    A command is admissible if the chair, from its current twist, obeys the pending commands, follows this one for the timing's `period`, up to `jitter` longer, and brakes to a standstill, without any point coming nearer to the footprint than it has to keep, whatever the errors of the config allow. A point has to keep the margin (by the speed) + its uncertainty + obstacle_speed (age + time until standstill), but never more than its distance now, below 0 inside the footprint: a point that is too near must not come nearer, and says nothing about others. A chair that creeps straight on may pass what is surely beside its way, and a wall that touches its side. Tried in turn: the wanted twist; its scaled copies down to least_scale; other twists that may replace it, by their distance to it; 0.
 
     Raises ValueError for invalid limits, config or timing. Not for use from two threads at once.
     """
@@ -384,6 +384,11 @@ class Supervisor:
     def may_replace(self, wanted: lfdcore._core.geometry.Twist2, twist: lfdcore._core.geometry.Twist2) -> bool:
         """
         Whether a twist may stand in for the wanted one (within the limits), as far as the driver is concerned. Where a turn on the spot is wanted (linear 0): a slower turn to the same side. Else: linear between 0 and the wanted one; a stick size hypot(linear / max_linear or max_reverse, angular / max_angular) no larger than the wanted one's; not to the side opposite to the one asked for; nearer to the wanted twist than 0 is.
+        """
+
+    def reset(self) -> None:
+        """
+        Forgets how near the walls were that touch the chair's sides. A wanted twist of 0 does so, too.
         """
 
     @property

@@ -101,6 +101,8 @@ class SeeingAssistant(ABC):
         self._watch.reset()
         self._surroundings.clear()
         self._pending.reset()
+        if self._supervisor is not None:
+            self._supervisor.reset()
         self._let_go(STOP)
 
     def update(self, observation: Observation) -> Assistance:

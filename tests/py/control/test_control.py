@@ -191,6 +191,18 @@ def test_what_is_pending_unseen_or_old_is_told_by_keyword() -> None:
         Supervisor().filter(now, now, ahead, age=math.nan)
 
 
+def test_a_wall_beside_the_chair_is_held_until_a_reset_or_a_stick_let_go() -> None:
+    x = np.linspace(-2, 3, 200)
+    near, nearer = (ObstaclePoints(np.stack([x, np.full(200, 0.35 + beside)], axis=1)) for beside in (0.003, -0.004))
+    supervisor, ahead = Supervisor(), Twist2(0.1, 0.0)
+    for let_go in (supervisor.reset, lambda: supervisor.filter(Twist2(), Twist2(), nearer)):
+        supervisor.reset()
+        assert not supervisor.filter(ahead, Twist2(), near).changed
+        assert supervisor.filter(ahead, Twist2(), nearer).stopped
+        let_go()
+        assert not supervisor.filter(ahead, Twist2(), nearer).changed
+
+
 def test_configs_and_supervisors_cross_process_borders() -> None:
     config, timing = SupervisorConfig(margin=0.05, angular_samples=9), CommandTiming(period=0.2, jitter=0.4)
     supervisor = pickle.loads(pickle.dumps(Supervisor(Footprint(0.9), MotionLimits(max_linear=0.7), config, timing)))

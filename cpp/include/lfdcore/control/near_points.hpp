@@ -1,9 +1,11 @@
 // The obstacle points that a moving body may come near to, laid out for thousands of exact distance queries.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
+#include "lfdcore/control/side_contact.hpp"
 #include "lfdcore/geometry.hpp"
 #include "lfdcore/grid/obstacle_points.hpp"
 
@@ -25,6 +27,9 @@ struct Demand {
   double sideways = std::numeric_limits<double>::infinity();
 };
 
+/// The left side, and the right one; of each, for a way ahead, and for a way back.
+using Sides = std::array<std::array<SideContact, 2>, 2>;
+
 /// A subset of ObstaclePoints, each with the distance that it must keep from the footprint.
 /// Keeps its memory between calls of gather(): no allocation once it has seen the largest set.
 class NearPoints {
@@ -34,9 +39,13 @@ class NearPoints {
 
   /// Takes the points that may be within `radius` [m] of the axle, with their uncertainties. No point will have to keep
   /// more than the distance that it has now (body at the origin): those too near must not come nearer, no more.
-  /// A body that goes straight on passes points that are at least as far beside its way as their uncertainty, and as
-  /// `least` [m] or the nearest point outside the footprint.
-  void gather(const ObstaclePoints& obstacles, double radius, const Footprint& footprint, double least);
+  void gather(const ObstaclePoints& obstacles, double radius, const Footprint& footprint);
+
+  /// Looks at both sides, and lets a body that goes straight on pass points
+  /// - that are at least `margin` [m] beside its way, and their uncertainty, or
+  /// - that are no nearer than a wall which touches that side now, or may (SideContact), or
+  /// - that are beside it now: they do not hinder moves of up to 1 mm sideways.
+  void let_pass(const Footprint& footprint, double margin, Sides& sides);
 
   /// Least of (signed distance - distance to keep) [m] over the points, for a body at `pose`; infinity without points.
   /// It changes by no more than the farthest move of any point of the body.
@@ -51,12 +60,14 @@ class NearPoints {
   void make_room(std::size_t points);
   void append(double x, double y, double uncertainty, double most);
   void pad();
-  void find_passing(const Footprint& footprint, double least);
+  bool look_at(Sides& sides, const Footprint& footprint, double margin) const;  // whether anything may touch
+  void let_pass_along(const Sides& sides, const Footprint& footprint);
+  bool is_beside(std::size_t i, double beside) const { return most_[i] == beside; }  // the side is what is nearest
 
   std::size_t count_ = 0, last_hit_ = 0;
   // Of each point, padded to whole vectors with points far away. Distances to keep: at most `most`; while it is passed,
-  // `passing`, which is -infinity for a point that is not.
-  std::vector<double> x_, y_, uncertainty_, most_, passing_;
+  // `passing` less the sideways moves, if that is `least_passing` or more. A point that is not passed: -infinity, 0.
+  std::vector<double> x_, y_, uncertainty_, most_, passing_, least_passing_;
 };
 
 }  // namespace lfdcore

@@ -54,8 +54,10 @@ struct SupervisorResult {
 ///     least_margin .. margin, by the speed  +  its uncertainty  +  obstacle_speed (its age + time until standstill),
 ///
 /// but never more than the distance that it has now, below 0 inside the footprint: a point that is too near must not
-/// come nearer, and says nothing about other points. What braking after `period` passes is what the command 0 passes in
-/// the next period. Motion between the tested poses is bounded, not sampled: nothing is missed by more than 2 mm.
+/// come nearer, and says nothing about other points. A chair that creeps straight on may pass points nearer: what is
+/// surely beside its way, and a wall that touches its side (SideContact). What braking after `period` passes is what
+/// the command 0 passes in the next period. Motion between the tested poses is bounded, not sampled: nothing is missed
+/// by more than 2 mm.
 ///
 /// Search: the wanted twist; its scaled copies (same arc) down to `least_scale`, the largest; then the nearest of a
 /// grid of twists that may replace it, moved towards it as far as that is admissible; then 0. See `may_replace`.
@@ -75,6 +77,9 @@ class Supervisor {
   /// pending one beyond 10 times the limits, a duration or an age that is not in [0, 10].
   SupervisorResult filter(const Twist2& wanted, const Twist2& current, const ObstaclePoints& obstacles,
                           std::span<const TimedTwist> pending = {}, double age = 0, const ObstaclePoints& unseen = {});
+
+  /// Forgets how near the walls were that touch the chair's sides (SideContact). A wanted twist of 0 does so, too.
+  void reset();
 
   /// Whether a twist may stand in for the wanted one (within the limits), as far as the driver is concerned. Where a
   /// turn on the spot is wanted (linear 0): a slower turn to the same side. Else: linear between 0 and the wanted one;
@@ -131,6 +136,7 @@ class Supervisor {
   // Of the call in progress:
   double age_ = 0, fastest_linear_ = 0, fastest_angular_ = 0;  // of the chair before the new command acts
   NearPoints points_, unseen_;
+  Sides sides_;  // and of those before it, since the stick was let go
   StoppingRollouts rollouts_;
   std::vector<Candidate> candidates_;
   // Of the test in progress:
