@@ -40,6 +40,8 @@ constexpr std::size_t most_places = 10;
 constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen space ...
 constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
 constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
+constexpr double beside_body = 0.1;                   // [m] from the body, its quarters are looked at
+constexpr double quarter_under_body = 0.018;          // [m] of which one with its centre this near is under it
 constexpr double unsure_seen = 0.1;  // [m] by which the odometry may be wrong before what was seen no longer counts
 
 double distance_outside(const Footprint& body, double x, double y) {
@@ -326,20 +328,36 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
   const Mask hit = with_points(side, corner_x, corner_y);
   const Mask unknown = unknown_around(T_odom_base, body, side, corner_x, corner_y) && !hit;
   // Behind a face, what is narrow is no gap between beams but the inside of a thing.
-  const Mask edge = edge_of(open_mask(unknown, crack) || (unknown && grown_mask(hit, crack)));
+  const Mask wide = open_mask(unknown, crack) || (unknown && grown_mask(hit, crack));
+  const Mask edge = edge_of(wide), about = grown_mask(wide, 1);
   const Pose2 T_base_odom = T_odom_base.inverse();
-  Path points(edge.count(), 2);
-  Eigen::Index count = 0;
+  std::vector<double> points;
   for (Eigen::Index iy = 0; iy < side; ++iy)
     for (Eigen::Index ix = 0; ix < side; ++ix) {
-      if (!edge(iy, ix)) continue;
+      if (!about(iy, ix)) continue;
       const Eigen::Vector2d centre(corner_x + (static_cast<double>(ix) + 0.5) * coarse,
                                    corner_y + (static_cast<double>(iy) + 0.5) * coarse);
       const Eigen::Vector2d place = T_base_odom * centre;
-      if (distance_outside(body, place.x(), place.y()) <= reach) points.row(count++) = place.transpose();
+      const double distance = distance_outside(body, place.x(), place.y());
+      if (distance <= beside_body)
+        add_unseen_quarters(centre, T_base_odom, body, points);
+      else if (edge(iy, ix) && distance <= reach)
+        points.insert(points.end(), {place.x(), place.y()});
     }
-  points.conservativeResize(count, 2);
-  return ObstaclePoints(std::move(points));
+  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2));
+}
+
+// So near, half a cell matters: it is about what a creeping chair needs to stop in.
+void RollingMap::add_unseen_quarters(const Eigen::Vector2d& centre, const Pose2& T_base_odom, const Footprint& body,
+                                     std::vector<double>& points) const {
+  for (const double dy : {-coarse / 4, coarse / 4})
+    for (const double dx : {-coarse / 4, coarse / 4}) {
+      const SeenCells::State* cell = cells_.at(centre.x() + dx, centre.y() + dy);
+      if (cell != nullptr && std::max(cell->last_free, cell->last_clear) >= sure_scan_) continue;
+      const Eigen::Vector2d place = T_base_odom * (centre + Eigen::Vector2d(dx, dy));
+      if (distance_outside(body, place.x(), place.y()) > quarter_under_body)
+        points.insert(points.end(), {place.x(), place.y()});
+    }
 }
 
 Mask RollingMap::unknown_around(const Pose2& T_odom_base, const Footprint& body, Eigen::Index side, double corner_x,

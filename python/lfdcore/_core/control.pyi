@@ -206,7 +206,7 @@ class SupervisorConfig:
         least_margin: float = 0.015,
         margin_linear: float = 0.5,
         margin_angular: float = 1.0,
-        passing_margin: float = 0.005,
+        passing_margin: float = 0.01,
         dynamics_error: float = 0.2,
         speed_error: float = 0.05,
         obstacle_speed: float = 0.0,

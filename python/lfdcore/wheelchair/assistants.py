@@ -92,7 +92,7 @@ class SeeingAssistant(ABC):
         self.chair = chair
         self._watch = Watch(chair, watch)
         self._surroundings = Surroundings(chair, map_duration)
-        self._pending = PendingCommands(chair.latency)
+        self._pending = PendingCommands(chair.latency, chair.period + chair.jitter)
         timing = CommandTiming(period=chair.period, jitter=chair.jitter)
         self._supervisor = None if supervisor is None else Supervisor(chair.footprint, chair.limits, supervisor, timing)
 

@@ -120,7 +120,7 @@ def drive(
                 recorder.record(observation, assistance)
             if until(Tick(stamp, observation, assistance)):
                 return
-            number = max(number + 1, math.ceil((stamp - TOLERANCE) / period))
+            number = max(number + 1, math.floor((stamp + TOLERANCE) / period) + 1)
     finally:
         chair.stop()
 

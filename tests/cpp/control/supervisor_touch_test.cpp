@@ -228,7 +228,7 @@ TEST(SupervisorTouch, a_wall_that_comes_nearer_is_not_scraped_deeper_however_lon
 TEST(SupervisorTouch, a_chair_that_is_clear_is_not_led_into_a_wall_that_comes_nearer) {
   for (const double inclination : {0.1, 0.3, 0.5, 1.0, 3.0})
     for (const Sight& sight : {Sight{0, true}, Sight{0.003, true}, Sight{0.01, true}}) {
-      Drive drive(wall_beside(0.008 + sight.uncertainty, inclination * degree), sight);
+      Drive drive(wall_beside(0.013 + sight.uncertainty, inclination * degree), sight);
       drive.hold({0.1, 0}, 600);
       EXPECT_GT(drive.least, 0) << inclination << " degrees, " << name(sight, 0);
       EXPECT_GT(drive.pose.x, 0.03) << inclination << " degrees, " << name(sight, 0);

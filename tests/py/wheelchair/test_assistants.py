@@ -316,7 +316,7 @@ def test_nothing_a_driver_does_in_the_corridor_touches_it(assistant: DriveAssist
 def test_every_command_has_passed_the_supervisor(model: DriveAssistantModel) -> None:
     """Asked again with the same obstacles, it changes nothing."""
     assistant, supervisor = DriveAssistant(model.planner(CHAIR)), Supervisor()
-    surroundings, pending = Surroundings(CHAIR), PendingCommands(CHAIR.latency)
+    surroundings, pending = Surroundings(CHAIR), PendingCommands(CHAIR.latency, CHAIR.period + CHAIR.jitter)
     for seen, said in drive(assistant, wandering, 150):
         obstacles, before = surroundings.see(seen), pending.at(seen.stamp)
         unseen = surroundings.unseen(seen)

@@ -6,9 +6,9 @@ from lfdcore.geometry import Twist2
 from lfdcore.wheelchair.pending import PendingCommands
 
 
-def given(latency: float, at: list[float]) -> PendingCommands:
+def given(latency: float, at: list[float], holds: float = 0.15) -> PendingCommands:
     """Commands of 1, 2, .. m/s."""
-    pending = PendingCommands(latency)
+    pending = PendingCommands(latency, holds)
     for k, stamp in enumerate(at):
         pending.at(stamp)
         pending.give(stamp, Twist2(k + 1.0, 0.0))
@@ -31,8 +31,11 @@ def test_what_acts_now_goes_on_until_the_next_does() -> None:
     assert said(given(0.15, [0.0, 0.1, 0.2]), 0.3) == [(2.0, 0.05), (3.0, 0.1)]
 
 
-def test_ticks_that_did_not_come_prolong_the_last_command() -> None:
-    assert said(given(0.1, [0.0]), 0.5) == [(1.0, 0.1)]
+def test_after_a_late_tick_the_chair_has_braked() -> None:
+    """The command of 0 s acts from .3 to .45 s, that of .4 s from .7 s on."""
+    assert said(given(0.3, [0.0]), 0.4) == [(1.0, 0.05), (0.0, 0.25)]
+    assert said(given(0.3, [0.0, 0.4]), 0.5) == [(0.0, 0.2), (2.0, 0.1)]
+    assert said(given(0.1, [0.0]), 0.5) == [(0.0, 0.1)]
 
 
 def test_the_durations_add_up_to_the_latency_once_it_has_passed() -> None:

@@ -15,20 +15,20 @@
 namespace lfdcore {
 
 struct SupervisorConfig {
-  double margin = 0.04;           ///< distance to keep between footprint and points at speed [m]
-  double least_margin = 0.015;    ///< ... and at standstill; in between in proportion to the speed [m]
-  double margin_linear = 0.5;     ///< speed from which `margin` is kept [m/s] ...
-  double margin_angular = 1.0;    ///< ... or turning rate [rad/s]
-  double passing_margin = 0.005;  ///< distance beside the way of a chair that creeps straight on [m]
-  double dynamics_error = 0.2;    ///< share by which accelerations and braking may differ from the limits
-  double speed_error = 0.05;      ///< share by which speeds over ground may differ from odometry and command
-  double obstacle_speed = 0;      ///< at which points may come nearer [m/s]
-  double creep_linear = 0.1;      ///< creeping: ahead at most this fast [m/s] ...
-  double creep_reverse = 0.15;    ///< ... backwards [m/s] ...
-  double creep_angular = 0.2;     ///< ... and turning [rad/s]; so, unseen space may be entered
-  double least_scale = 0.75;      ///< a wanted twist is slowed down to this share before other directions are tried
-  int linear_samples = 9;         ///< speeds tried, from the wanted one to 0
-  int angular_samples = 17;       ///< turning rates tried, around the wanted one
+  double margin = 0.04;          ///< distance to keep between footprint and points at speed [m]
+  double least_margin = 0.015;   ///< ... and at standstill; in between in proportion to the speed [m]
+  double margin_linear = 0.5;    ///< speed from which `margin` is kept [m/s] ...
+  double margin_angular = 1.0;   ///< ... or turning rate [rad/s]
+  double passing_margin = 0.01;  ///< distance beside the way of a chair that creeps straight on [m]
+  double dynamics_error = 0.2;   ///< share by which accelerations and braking may differ from the limits
+  double speed_error = 0.05;     ///< share by which speeds over ground may differ from odometry and command
+  double obstacle_speed = 0;     ///< at which points may come nearer [m/s]
+  double creep_linear = 0.1;     ///< creeping: ahead at most this fast [m/s] ...
+  double creep_reverse = 0.15;   ///< ... backwards [m/s] ...
+  double creep_angular = 0.2;    ///< ... and turning [rad/s]; so, unseen space may be entered
+  double least_scale = 0.75;     ///< a wanted twist is slowed down to this share before other directions are tried
+  int linear_samples = 9;        ///< speeds tried, from the wanted one to 0
+  int angular_samples = 17;      ///< turning rates tried, around the wanted one
 };
 
 /// Throws std::invalid_argument, naming the field and its bound.

@@ -57,5 +57,5 @@ CONDITIONS = {
     "late ticks": Condition(RunConfig(), True, LATE),
     "12 people": Condition(RunConfig(people=PeopleConfig()), True),
 }
-"""The assistant knows of each what its chair declares: latency, periods of commands and scans, noise and slip; not what is
-dropped, of the foot, of ticks to come, nor who walks there."""
+"""The assistant knows of each what its chair declares: latency, periods of commands and scans, noise and slip. It knows
+nothing of what is dropped, of the foot, of ticks to come, nor of who walks there."""

@@ -41,9 +41,10 @@ class HostileCounts:
     """[m] that the axle went"""
     seconds: float
     collisions: int
-    """with what stands, where a scan had shown something"""
+    """contacts with what stands, where a scan had shown it. A contact ends the run: where wheels turn against
+    something, odometry and map are wrong from there on."""
     unseen_collisions: int
-    """with what stands, where no scan had shown anything: the chair creeps into such space"""
+    """the same, where no scan had shown it: the chair creeps into such space"""
     nose_met_seen: int
     """contacts in which the moving nose met a person whom the scan had shown for a second"""
     people_met: int
@@ -104,16 +105,16 @@ class HostileRun:
         people = None if run.people is None else People(course.grid, run.people, (start.x, start.y), self.seed)
         stick = hostile(self.stick, course, self.seed)
         chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
-        count = _Count(chair, Standing(course.grid, run), self.seconds)
+        count = RunCount(chair, Standing(course.grid, run), course.grid.resolution, self.seconds)
         clock = UnsteadyClock(condition.ticks, self.seed)
         drive(chair, make_assistant(self.arm, self.models, run), count, clock=clock)
         return count.result()
 
 
 class ShownCells:
-    """Where scans have shown something in the map: cells of .05 m."""
+    """Where scans have shown something in the map: cells of .02 m."""
 
-    SIDE = 0.05
+    SIDE = 0.02
 
     def __init__(self, chair: ChairGeometry) -> None:
         self._chair = chair
@@ -132,19 +133,21 @@ class ShownCells:
         body, (x, y) = self._chair.footprint, points.T
         return np.asarray((x < body.front) & (x > -body.rear) & (np.abs(y) < body.half_width))
 
-    def near(self, point: NDArray[np.float64]) -> bool:
-        """Whether anything was shown in the cell of a point (2,) [m, map] or one beside it."""
-        ix, iy = np.floor(point / self.SIDE).astype(int).tolist()
-        return any((ix + dx, iy + dy) in self._cells for dx in (-1, 0, 1) for dy in (-1, 0, 1))
+    def near(self, centre: NDArray[np.float64], resolution: float) -> bool:
+        """Whether anything was shown of the solid cell around `centre` (2,) [m, map]: in it, or within about .02 m."""
+        ix, iy = np.floor(centre / self.SIDE).astype(int).tolist()
+        reach = round((resolution / 2 + self.SIDE) / self.SIDE)
+        around = range(-reach, reach + 1)
+        return any((ix + dx, iy + dy) in self._cells for dx in around for dy in around)
 
 
-class _Count:
+class RunCount:
     """Of the ticks of a run; called with each, it says whether that was the last."""
 
-    def __init__(self, chair: SimulatedChair, standing: Standing, seconds: float) -> None:
-        self._chair, self._standing, self._seconds = chair, standing, seconds
+    def __init__(self, chair: SimulatedChair, standing: Standing, resolution: float, seconds: float) -> None:
+        self._chair, self._standing, self._resolution, self._seconds = chair, standing, resolution, seconds
         self._ticks = self._moving = self._halted = 0
-        self._collisions = [0, 0]
+        self._collisions = self._unseen_collisions = 0
         self._shown = ShownCells(chair.geometry)
         self._distance = self._stamp = 0.0
 
@@ -153,22 +156,23 @@ class _Count:
         self._chair.show(tick.assistance.mode, tick.stamp)
         self._ticks += 1
         if truth.collision:
-            self._collisions[self._shown.near(truth.state.contact_point)] += 1
+            shown = self._shown.near(truth.state.contact_point, self._resolution)
+            self._collisions, self._unseen_collisions = int(shown), int(not shown)
         if tick.observation.scan_stamp == tick.stamp:
             self._shown.add(truth.state.pose, tick.observation.scan)
         self._standing.add(tick, truth)
         self._moving += math.hypot(twist.linear, twist.angular) > STANDS_BELOW
         self._halted += tick.assistance.mode in HALTS
         self._distance, self._stamp = truth.state.distance, tick.stamp
-        return tick.stamp >= self._seconds
+        return truth.collision or tick.stamp >= self._seconds
 
     def result(self) -> HostileCounts:
         met = self._chair.people_met()
         return HostileCounts(
             distance=self._distance,
             seconds=self._stamp,
-            collisions=self._collisions[True],
-            unseen_collisions=self._collisions[False],
+            collisions=self._collisions,
+            unseen_collisions=self._unseen_collisions,
             nose_met_seen=sum(one.foreseeable for one in met),
             people_met=len(met),
             moving=self._moving / self._ticks,

@@ -63,7 +63,8 @@ def collisions_table(result: SafetyResult) -> Table:
     """A row a condition and an assistant."""
     study = result.study
     note = (
-        f"{len(study.courses)} courses, in each {study.runs} runs of {study.seconds} s of each stick: "
+        f"{len(study.courses)} courses, in each {study.runs} runs of {study.seconds} s, or until something is touched, "
+        "of each stick: "
         f"{', '.join(study.sticks)}; seeds {study.seed}.."
         f"{study.seed + study.runs - 1}. In brackets: 95 % interval of Garwood (Poisson). "
         "What no scan showed: the chair begins anywhere, and creeps into space that no beam has seen. A dagger: "

@@ -37,7 +37,7 @@ class SafetyStudy(Study):
     models: Annotated[tuple[Path, ...], Option("A learned model, once a method.", flag="--model")] = ()
     courses: Annotated[tuple[str, ...], Option("Comma-separated names of courses or map .yaml files.")] = COURSES
     runs: Annotated[int, Option("Runs of each stick in each course, each from another place.", minimum=1)] = 2
-    seconds: Annotated[int, Option("Of each run.", minimum=10, maximum=100000)] = 300
+    seconds: Annotated[int, Option("Of each run, or until something is touched.", minimum=10, maximum=100000)] = 300
 
     def __post_init__(self) -> None:
         super().__post_init__()
