@@ -23,6 +23,7 @@ void bind_config(py::module_& m) {
       Field("speed_error", &Config::speed_error,
             "share by which speeds over ground may differ from odometry and command"),
       Field("obstacle_speed", &Config::obstacle_speed, "[m/s] at which points may come nearer"),
+      Field("walking_speed", &Config::walking_speed, "[m/s] ... and those of who walks"),
       Field("creep_linear", &Config::creep_linear, "[m/s] creeping: ahead at most this fast"),
       Field("creep_reverse", &Config::creep_reverse, "[m/s] ... backwards"),
       Field("creep_angular", &Config::creep_angular, "[rad/s] ... and turning; so, unseen space may be entered"),
@@ -33,10 +34,12 @@ void bind_config(py::module_& m) {
 
 SupervisorResult filter(Supervisor& supervisor, const Twist2& wanted, const Twist2& current,
                         const ObstaclePoints& obstacles, const std::vector<std::pair<Twist2, double>>& pending,
-                        double age, std::optional<std::reference_wrapper<const ObstaclePoints>> unseen) {
+                        double age, std::optional<std::reference_wrapper<const ObstaclePoints>> unseen,
+                        std::optional<std::reference_wrapper<const ObstaclePoints>> walkers) {
   std::vector<TimedTwist> commands;
   for (const auto& [twist, duration] : pending) commands.push_back({twist, duration});
-  return supervisor.filter(wanted, current, obstacles, commands, age, unseen ? unseen->get() : ObstaclePoints());
+  return supervisor.filter(wanted, current, obstacles, commands, age, unseen ? unseen->get() : ObstaclePoints(),
+                           walkers ? walkers->get() : ObstaclePoints());
 }
 
 }  // namespace
@@ -74,16 +77,17 @@ void bind_supervisor(py::module_& m) {
       .def(
           "filter", &filter, py::arg("wanted"), py::arg("current"), py::arg("obstacles"), py::kw_only(),
           py::arg("pending") = std::vector<std::pair<Twist2, double>>{}, py::arg("age") = 0.0,
-          py::arg("unseen") = py::none(),
+          py::arg("unseen") = py::none(), py::arg("walkers") = py::none(),
           "The command to send.\n\n"
           "- current: the chair's twist now.\n"
           "- obstacles: in base_link, now. Without points everything is admissible: a caller whose scan is stale must "
           "want 0.\n"
           "- pending: (twist, duration [s]) of the commands already given, in the order in which they act from now on, "
           "before this one does.\n"
-          "- age [s] of the points; counts with obstacle_speed.\n"
+          "- age [s] of the points; counts with obstacle_speed and walking_speed.\n"
           "- unseen: places in base_link at the border of space that no beam has seen. A command faster than the creep "
-          "speeds is admissible only if its roll-outs keep them out of the footprint. None: as if all were seen.\n\n"
+          "speeds is admissible only if its roll-outs keep them out of the footprint. None: as if all were seen.\n"
+          "- walkers: points in base_link of who walks about: they may come nearer at walking_speed. None: nobody.\n\n"
           "Raises ValueError for a non-finite twist, a current or pending one beyond 10 times the limits, a duration "
           "or "
           "an age that is not in [0, 10] s.")

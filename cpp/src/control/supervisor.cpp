@@ -33,6 +33,7 @@ void validate(const SupervisorConfig& config) {
   require_between("dynamics_error", config.dynamics_error, 0, 0.9, "");
   require_between("speed_error", config.speed_error, 0, 0.9, "");
   require_between("obstacle_speed", config.obstacle_speed, 0, 10, "m/s");
+  require_between("walking_speed", config.walking_speed, 0, 10, "m/s");
   require_between("creep_linear", config.creep_linear, 0, 10, "m/s");
   require_between("creep_reverse", config.creep_reverse, 0, 10, "m/s");
   require_between("creep_angular", config.creep_angular, 0, 10, "rad/s");
@@ -83,12 +84,13 @@ void Supervisor::reset() {
 }
 
 SupervisorResult Supervisor::filter(const Twist2& wanted, const Twist2& current, const ObstaclePoints& obstacles,
-                                    std::span<const TimedTwist> pending, double age, const ObstaclePoints& unseen) {
+                                    std::span<const TimedTwist> pending, double age, const ObstaclePoints& unseen,
+                                    const ObstaclePoints& walkers) {
   require_valid(wanted, current, pending, age);
   const Twist2 aim{std::clamp(wanted.linear, -limits_.max_reverse, limits_.max_linear),
                    std::clamp(wanted.angular, -limits_.max_angular, limits_.max_angular)};
   age_ = age;
-  look(aim, current, obstacles, pending, unseen);
+  look(aim, current, obstacles, pending, unseen, walkers);
 
   Twist2 found = aim;
   bool keeps = admissible(aim) || largest_scale(aim, found) || nearest_twist(aim, found);
@@ -105,7 +107,8 @@ SupervisorResult Supervisor::filter(const Twist2& wanted, const Twist2& current,
 
 // Takes the points that any roll-out of this call may come near to.
 void Supervisor::look(const Twist2& aim, const Twist2& current, const ObstaclePoints& obstacles,
-                      std::span<const TimedTwist> pending, const ObstaclePoints& unseen) {
+                      std::span<const TimedTwist> pending, const ObstaclePoints& unseen,
+                      const ObstaclePoints& walkers) {
   fastest_linear_ = std::abs(current.linear);
   fastest_angular_ = std::abs(current.angular);
   double following = timing_.period + timing_.jitter;
@@ -119,12 +122,13 @@ void Supervisor::look(const Twist2& aim, const Twist2& current, const ObstaclePo
   const double stopping = speed / (limits_.linear_braking * (1 - config_.dynamics_error));
   const double turning = turn / (limits_.angular_acceleration * (1 - config_.dynamics_error));
   const double travel = speed * (1 + config_.speed_error) * (following + stopping / 2);
-  const double approach = config_.obstacle_speed * (age_ + following + std::max(stopping, turning));
+  const double until_standstill = age_ + following + std::max(stopping, turning);
   const double reach = travel + footprint_.outer_radius() + rounding;
-  points_.gather(obstacles, reach + config_.margin + approach, footprint_);
+  points_.gather(obstacles, reach + config_.margin + config_.obstacle_speed * until_standstill, footprint_);
   if (size(aim) == 0) reset();
   points_.let_pass(footprint_, config_.passing_margin, sides_);
   unseen_.gather(unseen, reach, footprint_);
+  walkers_.gather(walkers, reach + config_.margin + config_.walking_speed * until_standstill, footprint_);
   rollouts_.start(current, pending);
 }
 
@@ -164,12 +168,15 @@ double Supervisor::creep_scale(const Twist2& wanted) const {
 
 bool Supervisor::admissible(const Twist2& command) {
   rollouts_.end_with(command, timing_.period, timing_.jitter);
-  const double required = margin_for(command) + config_.obstacle_speed * (age_ + rollouts_.duration());
+  const double until_standstill = age_ + rollouts_.duration(), margin = margin_for(command);
   const bool creeping = creeps(command);
   // A chair beside a wall that is too near for any turn gets out straight ahead, slowly.
   const double sideways = rollouts_.turning() * (footprint_.outer_radius() + rollouts_.travel());
-  const Demand demand{required, creeping && command.angular == 0 ? sideways : infinity};
+  const Demand demand{margin + config_.obstacle_speed * until_standstill,
+                      creeping && command.angular == 0 ? sideways : infinity};
   if (!stays_clear_of(points_, demand)) return false;
+  if (walkers_.size() > 0 && !stays_clear_of(walkers_, {margin + config_.walking_speed * until_standstill}))
+    return false;
   return unseen_.size() == 0 || creeping || stays_clear_of(unseen_, {});
 }
 

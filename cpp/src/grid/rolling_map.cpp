@@ -28,7 +28,7 @@ constexpr double fading = 3;           // [s] after which it is forgotten, unles
 constexpr double kin_distance = 0.06;  // [m] a point is of the same thing as another so near ...
 constexpr double settled_age = 1;      // [s] ... not young, if that has stood there for so long, or as long as ...
 constexpr double slipping = 2;         // ... so many times the odometry's error lets a thing stand ...
-constexpr double kin_age = 0.5;        // [s] ... else young, if that is and was hit so recently
+constexpr double kin_age = 0.5;        // [s] ... else young, if that is and was hit so recently, and this was empty
 
 constexpr double own_depth = 0.03;      // [m] inside the outline
 constexpr double sure_errors = 3;       // [sd of a range] before its end, a beam has surely passed
@@ -182,7 +182,9 @@ bool RollingMap::is_young(const FusedPoint& point, double walked) const {
   const auto near = [&](auto is) { return points_.any_near(point.x, point.y, kin_distance, is); };
   const auto stands = [&](const FusedPoint& p) { return p.misses == 0 || point.seen - p.seen <= kin_age; };
   if (near([&](const FusedPoint& p) { return !p.young && stands(p) && p.seen - p.since >= age; })) return false;
-  return cells_.clear_around(point.x, point.y, recent_scan_) ||
+  if (cells_.clear_around(point.x, point.y, recent_scan_)) return true;
+  const SeenCells::State* here = cells_.at(point.x, point.y);
+  return here != nullptr && here->last_clear >= recent_scan_ &&
          near([&](const FusedPoint& p) { return p.young && point.seen - p.seen <= kin_age; });
 }
 
@@ -284,6 +286,18 @@ ObstaclePoints RollingMap::obstacles(const Pose2& T_odom_base) const {
   }
   points.conservativeResize(static_cast<Eigen::Index>(uncertainty.size()), 2);
   return ObstaclePoints(std::move(points), std::move(uncertainty));
+}
+
+ObstaclePoints RollingMap::walkers(const Pose2& T_odom_base) const {
+  require_pose("T_odom_base", T_odom_base);
+  const Pose2 T_base_odom = T_odom_base.inverse();
+  std::vector<double> points;
+  for (const FusedPoint& point : points_.points()) {
+    if (!point.young || taken_.back().stamp - point.seen > kin_age) continue;
+    const Eigen::Vector2d place = T_base_odom * Eigen::Vector2d(point.x, point.y);
+    points.insert(points.end(), {place.x(), place.y()});
+  }
+  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2));
 }
 
 // Where a point may be, as shifts from its mean: there, or nearer along its beams; either moved by the odometry's

@@ -210,6 +210,7 @@ class SupervisorConfig:
         dynamics_error: float = 0.2,
         speed_error: float = 0.05,
         obstacle_speed: float = 0.0,
+        walking_speed: float = 1.5,
         creep_linear: float = 0.1,
         creep_reverse: float = 0.15,
         creep_angular: float = 0.2,
@@ -302,6 +303,12 @@ class SupervisorConfig:
         share by which speeds over ground may differ from odometry and command
         """
 
+    @property
+    def walking_speed(self) -> float:
+        """
+        [m/s] ... and those of who walks
+        """
+
 class SupervisorResult:
     """
     The command to send and what was done to the wanted one.
@@ -368,6 +375,7 @@ class Supervisor:
         pending: collections.abc.Sequence[tuple[lfdcore._core.geometry.Twist2, float]] = [],
         age: float = 0.0,
         unseen: lfdcore._core.grid.ObstaclePoints | None = None,
+        walkers: lfdcore._core.grid.ObstaclePoints | None = None,
     ) -> SupervisorResult:
         """
         The command to send.
@@ -375,8 +383,9 @@ class Supervisor:
         - current: the chair's twist now.
         - obstacles: in base_link, now. Without points everything is admissible: a caller whose scan is stale must want 0.
         - pending: (twist, duration [s]) of the commands already given, in the order in which they act from now on, before this one does.
-        - age [s] of the points; counts with obstacle_speed.
+        - age [s] of the points; counts with obstacle_speed and walking_speed.
         - unseen: places in base_link at the border of space that no beam has seen. A command faster than the creep speeds is admissible only if its roll-outs keep them out of the footprint. None: as if all were seen.
+        - walkers: points in base_link of who walks about: they may come nearer at walking_speed. None: nobody.
 
         Raises ValueError for a non-finite twist, a current or pending one beyond 10 times the limits, a duration or an age that is not in [0, 10] s.
         """

@@ -224,6 +224,11 @@ class RollingMap:
         less than 0.25 m count as seen. ValueError for a pose or body that is not finite, or a reach out of bounds.
         """
 
+    def walkers(self, T_odom_base: lfdcore._core.geometry.Pose2) -> ObstaclePoints:
+        """
+        The remembered points of what walks, hit in the last 0.5 s -> ObstaclePoints in base_link. obstacles() holds them too.
+        """
+
     @property
     def duration(self) -> float:
         """

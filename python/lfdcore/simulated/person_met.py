@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from math import hypot, inf
 
 from lfdcore.simulation import PersonContact
 
 STANDING = 0.02
 """Speed [m/s] below which a part of the chair counts as standing."""
 WARNING = 1.0
-"""A scan warns of a contact if it showed the person at least so long before [s]."""
+"""A scan warns of a contact if it showed the person at least so long before [s] ..."""
+FORGOTTEN = 1.5
+"""... and no longer: who has been out of view since then comes unforeseen."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,8 @@ class PersonMet:
 
     @property
     def was_shown(self) -> bool:
-        """Whether a scan showed the person at least WARNING before."""
-        return isfinite(self.shown_before)
+        """Whether a scan showed the person about a second before: from FORGOTTEN to WARNING."""
+        return self.shown_before <= FORGOTTEN
 
     @property
     def walked_into_standing_chair(self) -> bool:
@@ -54,8 +56,7 @@ class PersonMet:
 
     @property
     def foreseeable(self) -> bool:
-        """The moving chair's nose met a person whom a scan had shown at least WARNING before: what an assistant answers
-        for."""
+        """The moving chair's nose met a person whom a scan had shown a second before: what an assistant answers for."""
         return self.by_moving_nose and self.was_shown
 
 

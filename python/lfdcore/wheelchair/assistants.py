@@ -140,7 +140,9 @@ class SeeingAssistant(ABC):
             self._watch.twist(observation),
             obstacles,
             pending=self._pending.at(observation.stamp),
+            age=self._surroundings.age(observation),
             unseen=self._surroundings.unseen(observation),
+            walkers=self._surroundings.walkers(observation),
         )
         return replace(said, command=allowed.twist, supervised=allowed.changed)
 

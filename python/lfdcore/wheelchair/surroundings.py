@@ -61,6 +61,14 @@ class Surroundings:
         """-> the border of the space that no beam has seen, as points in base_link."""
         return self._map.unseen(observation.pose, self._chair.footprint, self._reach)
 
+    def age(self, observation: Observation) -> float:
+        """-> of the newest scan [s], 10 at the most."""
+        return float(np.clip(observation.stamp - self._newest_scan, 0.0, 10.0))
+
+    def walkers(self, observation: Observation) -> ObstaclePoints:
+        """-> the points of who walks about, in base_link."""
+        return self._map.walkers(observation.pose)
+
     def grid(self, observation: Observation) -> OccupancyGrid:
         """-> local grid around base_link."""
         return self._map.local_grid(observation.pose)

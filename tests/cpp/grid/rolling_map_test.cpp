@@ -47,6 +47,13 @@ TEST(RollingMap, keeps_its_state_when_it_refuses_a_scan) {
 using test::ScannedWorld;
 
 const Pose2 mounting{0.70, 0, 0};
+const LaserScan blind{.ranges = {std::numeric_limits<float>::quiet_NaN()}};
+
+double distance_to(const ObstaclePoints& seen, const Eigen::Vector2d& place) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& point : seen.points().rowwise()) nearest = std::min(nearest, (point - place.transpose()).norm());
+  return nearest;
+}
 
 void see(RollingMap& map, ScannedWorld& world, double stamp, const Pose2& base) {
   map.insert(stamp, world.scan(base * mounting), mounting, base);
@@ -249,6 +256,20 @@ TEST(RollingMap, a_person_who_stands_there_is_kept) {
   for (int seed = 0; seed < 3; ++seed) EXPECT_GT(points_beside_after_meeting(0, 0.01, seed), 0);
 }
 
+TEST(RollingMap, who_walks_is_told_apart_from_what_stands) {
+  RollingMap map(long_memory(0.01));
+  ScannedWorld world{.walls = {{-3, -4, 20, -4}, {-3, 4, 20, 4}}, .posts = {{0, 0.8, 0.12}, {2.5, -0.8, 0.12}}};
+  for (int k = 0; k < 25; ++k) {
+    world.posts[0].x = 4.5 - 0.11 * k;
+    see(map, world, 0.1 * k, {});
+    const ObstaclePoints walkers = map.walkers({});
+    if (k >= 5) EXPECT_LT(distance_to(walkers, {world.posts[0].x - 0.1, 0.75}), 0.2) << k;
+    for (const auto& point : walkers.points().rowwise()) EXPECT_NEAR(point.y(), 0.8, 0.3) << k;
+  }
+  for (int k = 25; k < 32; ++k) map.insert(0.1 * k, blind, mounting, {});
+  EXPECT_EQ(map.walkers({}).points().rows(), 0);
+}
+
 // Stand beside the way: a pipe, a table's leg, a board's end, a box behind which the chair comes to look.
 TEST(RollingMap, what_stands_is_kept_when_it_was_seen_in_passing) {
   for (const double noise : {0.01, 0.03})
@@ -278,8 +299,6 @@ LaserScan one_hit(const Pose2& T_odom_laser, double x, double y) {
   const double dx = x - T_odom_laser.x, dy = y - T_odom_laser.y;
   return {.ranges = {static_cast<float>(std::hypot(dx, dy))}, .angle_min = std::atan2(dy, dx) - T_odom_laser.yaw};
 }
-
-const LaserScan blind{.ranges = {std::numeric_limits<float>::quiet_NaN()}};
 
 TEST(RollingMap, a_straight_drive_smears_a_point_along_the_way_and_not_sideways) {
   RollingMap map({.range_noise = 0.001, .odometry_error = 0.05});
@@ -350,12 +369,6 @@ TEST(RollingMap, hits_deep_inside_the_own_body_are_no_obstacles_and_their_beams_
   map.clear();
   map.insert(0, one_hit(rear_laser, 0.76, 0), rear_laser, {});
   EXPECT_TRUE((map.local_grid({}).data == unknown_cell).all());
-}
-
-double distance_to(const ObstaclePoints& seen, const Eigen::Vector2d& place) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& point : seen.points().rowwise()) nearest = std::min(nearest, (point - place.transpose()).norm());
-  return nearest;
 }
 
 // A post is seen, and leaves the view as the chair turns and slips: the odometry says more than it does, or less.

@@ -23,6 +23,7 @@ struct SupervisorConfig {
   double dynamics_error = 0.2;   ///< share by which accelerations and braking may differ from the limits
   double speed_error = 0.05;     ///< share by which speeds over ground may differ from odometry and command
   double obstacle_speed = 0;     ///< at which points may come nearer [m/s]
+  double walking_speed = 1.5;    ///< ... and those of who walks [m/s]
   double creep_linear = 0.1;     ///< creeping: ahead at most this fast [m/s] ...
   double creep_reverse = 0.15;   ///< ... backwards [m/s] ...
   double creep_angular = 0.2;    ///< ... and turning [rad/s]; so, unseen space may be entered
@@ -72,11 +73,13 @@ class Supervisor {
   /// `obstacles` in base_link; without points everything is admissible, so a caller whose scan is stale must want 0.
   /// `pending`: the commands already given that act from now on, before this one does (latency). `age` [s] of the
   /// points: counts with obstacle_speed. `unseen`: places in base_link at the border of space that no beam has seen; a
-  /// command faster than the creep speeds is admissible only if its roll-outs keep them out of the footprint. Not
+  /// command faster than the creep speeds is admissible only if its roll-outs keep them out of the footprint.
+  /// `walkers`: points of who walks about, in base_link: they may come nearer at `walking_speed`. Not
   /// thread-safe: one supervisor per thread. Throws std::invalid_argument for a twist that is not finite, a current or
   /// pending one beyond 10 times the limits, a duration or an age that is not in [0, 10].
   SupervisorResult filter(const Twist2& wanted, const Twist2& current, const ObstaclePoints& obstacles,
-                          std::span<const TimedTwist> pending = {}, double age = 0, const ObstaclePoints& unseen = {});
+                          std::span<const TimedTwist> pending = {}, double age = 0, const ObstaclePoints& unseen = {},
+                          const ObstaclePoints& walkers = {});
 
   /// Forgets how near the walls were that touch the chair's sides (SideContact). A wanted twist of 0 does so, too.
   void reset();
@@ -110,7 +113,7 @@ class Supervisor {
   void require_valid(const Twist2& wanted, const Twist2& current, std::span<const TimedTwist> pending,
                      double age) const;
   void look(const Twist2& aim, const Twist2& current, const ObstaclePoints& obstacles,
-            std::span<const TimedTwist> pending, const ObstaclePoints& unseen);
+            std::span<const TimedTwist> pending, const ObstaclePoints& unseen, const ObstaclePoints& walkers);
   bool admissible(const Twist2& command);
   bool creeps(const Twist2& command) const;
   double creep_scale(const Twist2& wanted) const;
@@ -135,7 +138,7 @@ class Supervisor {
   CommandTiming timing_;
   // Of the call in progress:
   double age_ = 0, fastest_linear_ = 0, fastest_angular_ = 0;  // of the chair before the new command acts
-  NearPoints points_, unseen_;
+  NearPoints points_, unseen_, walkers_;
   Sides sides_;  // and of those before it, since the stick was let go
   StoppingRollouts rollouts_;
   std::vector<Candidate> candidates_;

@@ -57,6 +57,9 @@ class RollingMap {
   /// a straight drive moves along the drive, not sideways. Ends nearer than 5 mm are left out.
   ObstaclePoints obstacles(const Pose2& T_odom_base) const;
 
+  /// The remembered points, in base_link, of what walks: young ones, hit in the last 0.5 s. obstacles() holds them too.
+  ObstaclePoints walkers(const Pose2& T_odom_base) const;
+
   /// The edge of the space that nothing is known of: the centres, in base_link, of the cells of 0.05 m that no beam has
   /// passed or ended in within `duration`, or since the odometry's error may have come to 0.1 m, next to ones that are
   /// known, no farther from the outline of `body` than `reach` [m]. Within 0.1 m of the outline: of all such cells of
