@@ -41,8 +41,8 @@ constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen
 constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
 constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
 constexpr double beside_body = 0.1;                   // [m] from the body, its quarters are looked at
-constexpr double quarter_under_body = 0.018;          // [m] of which one with its centre this near is under it
-constexpr double unsure_seen = 0.1;  // [m] by which the odometry may be wrong before what was seen no longer counts
+constexpr double quarter_half = 0.018;  // [m] half the diagonal of a quarter: so near, it is under the body
+constexpr double unsure_seen = 0.1;     // [m] by which the odometry may be wrong before what was seen no longer counts
 
 double distance_outside(const Footprint& body, double x, double y) {
   const double beyond = std::max({x - body.front, -body.rear - x, 0.0});
@@ -345,7 +345,7 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
   const Mask wide = open_mask(unknown, crack) || (unknown && grown_mask(hit, crack));
   const Mask edge = edge_of(wide), about = grown_mask(wide, 1);
   const Pose2 T_base_odom = T_odom_base.inverse();
-  std::vector<double> points;
+  std::vector<double> points, uncertainty;
   for (Eigen::Index iy = 0; iy < side; ++iy)
     for (Eigen::Index ix = 0; ix < side; ++ix) {
       if (!about(iy, ix)) continue;
@@ -357,8 +357,10 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
         add_unseen_quarters(centre, T_base_odom, body, points);
       else if (edge(iy, ix) && distance <= reach)
         points.insert(points.end(), {place.x(), place.y()});
+      uncertainty.resize(points.size() / 2, distance <= beside_body ? quarter_half : 0);
     }
-  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2));
+  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2),
+                        std::move(uncertainty));
 }
 
 // So near, half a cell matters: it is about what a creeping chair needs to stop in.
@@ -369,7 +371,7 @@ void RollingMap::add_unseen_quarters(const Eigen::Vector2d& centre, const Pose2&
       const SeenCells::State* cell = cells_.at(centre.x() + dx, centre.y() + dy);
       if (cell != nullptr && std::max(cell->last_free, cell->last_clear) >= sure_scan_) continue;
       const Eigen::Vector2d place = T_base_odom * (centre + Eigen::Vector2d(dx, dy));
-      if (distance_outside(body, place.x(), place.y()) > quarter_under_body)
+      if (distance_outside(body, place.x(), place.y()) > quarter_half)
         points.insert(points.end(), {place.x(), place.y()});
     }
 }

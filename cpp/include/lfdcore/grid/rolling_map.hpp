@@ -63,7 +63,7 @@ class RollingMap {
   /// The edge of the space that nothing is known of: the centres, in base_link, of the cells of 0.05 m that no beam has
   /// passed or ended in within `duration`, or since the odometry's error may have come to 0.1 m, next to ones that are
   /// known, no farther from the outline of `body` than `reach` [m]. Within 0.1 m of the outline: of all such cells of
-  /// 0.025 m. What lies under the body is known, and what was under `own_body` in any of the scans. Gaps of less than
+  /// 0.025 m, with half their diagonal as their uncertainty. What lies under the body is known, and what was under `own_body` in any of the scans. Gaps of less than
   /// 0.25 m, as between the beams of a scan, count as seen, but not within 0.25 m of a point: there they are the inside
   /// and the far side of a thing. Throws std::invalid_argument for a pose that is not finite, a footprint beyond 100 m
   /// or a reach outside [0, 20] m.
