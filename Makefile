@@ -13,6 +13,8 @@ LINTED := python tests/py benchmarks examples tools
 BUILD_WITHOUT_TESTS := --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=OFF
 # runs of an hour, of each stick in each course under each condition by each assistant
 SAFETY_RUNS := 1
+SAFETY_STATES := 10000000
+SAFETY_SCHEDULES := 1000000
 SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
 
 # an extra of pyproject.toml, and what lfdcore demo takes
@@ -45,6 +47,9 @@ figures: $(VENV)/.installed-test
 	$(BIN)/python -m pytest -n 2 -v -m "figures or not figures" tests/py/study/test_figures.py
 
 safety: $(VENV)/.installed-test
+	LFDCORE_SUPERVISOR_STATES=$(SAFETY_STATES) LFDCORE_HELD_STICK_TICKS=36000 \
+	  build/release/lfdcore_tests --gtest_filter='SupervisorPromise.*'
+	LFDCORE_STAMP_SCHEDULES=$(SAFETY_SCHEDULES) $(BIN)/python -m pytest -n 2 tests/py/wheelchair/test_stamps.py
 	$(BIN)/lfdcore study safety --output safety --assistants none,supervisor,primitives,heatmaps \
 	  --model python/lfdcore/models/primitives.safetensors --model python/lfdcore/models/heatmaps.safetensors \
 	  --runs $(SAFETY_RUNS) --seconds 3600

@@ -213,7 +213,7 @@ void bind_rolling_map(py::module_& m) {
            "ends\n"
            "of where it may lie by now: the share of the way driven since, and of the turns, moves it.")
       .def("walkers", &RollingMap::walkers, py::arg("T_odom_base"), without_gil(),
-           "The remembered points of what walks, hit in the last 0.5 s -> ObstaclePoints in base_link. obstacles() "
+           "The points of what walks, as the newest scan hit them -> ObstaclePoints in base_link. obstacles() "
            "holds them too.")
       .def(
           "unseen", &RollingMap::unseen, py::arg("T_odom_base"), py::arg("body"), py::arg("reach"), without_gil(),

@@ -40,7 +40,7 @@ constexpr std::size_t most_places = 10;
 constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen space ...
 constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
 constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
-constexpr double beside_body = 0.1;                   // [m] from the body, its quarters are looked at
+constexpr double near_body = 0.1;                     // [m] at most ahead of or behind the body: its quarters count
 constexpr double quarter_half = 0.018;  // [m] half the diagonal of a quarter: so near, it is under the body
 constexpr double unsure_seen = 0.1;     // [m] by which the odometry may be wrong before what was seen no longer counts
 
@@ -180,7 +180,9 @@ double RollingMap::settled_for(double walked) const {
 bool RollingMap::is_young(const FusedPoint& point, double walked) const {
   const double age = settled_for(walked);
   const auto near = [&](auto is) { return points_.any_near(point.x, point.y, kin_distance, is); };
-  const auto stands = [&](const FusedPoint& p) { return p.misses == 0 || point.seen - p.seen <= kin_age; };
+  const auto stands = [&](const FusedPoint& p) {
+    return p.since < point.since && (p.misses == 0 || point.seen - p.seen <= kin_age);
+  };
   if (near([&](const FusedPoint& p) { return !p.young && stands(p) && p.seen - p.since >= age; })) return false;
   if (cells_.clear_around(point.x, point.y, recent_scan_)) return true;
   const SeenCells::State* here = cells_.at(point.x, point.y);
@@ -291,13 +293,15 @@ ObstaclePoints RollingMap::obstacles(const Pose2& T_odom_base) const {
 ObstaclePoints RollingMap::walkers(const Pose2& T_odom_base) const {
   require_pose("T_odom_base", T_odom_base);
   const Pose2 T_base_odom = T_odom_base.inverse();
-  std::vector<double> points;
+  std::vector<double> points, uncertainty;
   for (const FusedPoint& point : points_.points()) {
-    if (!point.young || taken_.back().stamp - point.seen > kin_age) continue;
+    if (!point.young || point.scan != last_scan_) continue;
     const Eigen::Vector2d place = T_base_odom * Eigen::Vector2d(point.x, point.y);
     points.insert(points.end(), {place.x(), place.y()});
+    uncertainty.push_back(uncertain_errors * points_.standard_error(point));
   }
-  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2));
+  return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2),
+                        std::move(uncertainty));
 }
 
 // Where a point may be, as shifts from its mean: there, or nearer along its beams; either moved by the odometry's
@@ -353,11 +357,12 @@ ObstaclePoints RollingMap::unseen(const Pose2& T_odom_base, const Footprint& bod
                                    corner_y + (static_cast<double>(iy) + 0.5) * coarse);
       const Eigen::Vector2d place = T_base_odom * centre;
       const double distance = distance_outside(body, place.x(), place.y());
-      if (distance <= beside_body)
+      const bool near = (place.x() < -body.rear || place.x() > body.front) && distance <= near_body;
+      if (near)
         add_unseen_quarters(centre, T_base_odom, body, points);
       else if (edge(iy, ix) && distance <= reach)
         points.insert(points.end(), {place.x(), place.y()});
-      uncertainty.resize(points.size() / 2, distance <= beside_body ? quarter_half : 0);
+      uncertainty.resize(points.size() / 2, near ? quarter_half : 0);
     }
   return ObstaclePoints(Eigen::Map<const Path>(points.data(), static_cast<Eigen::Index>(points.size() / 2), 2),
                         std::move(uncertainty));

@@ -226,7 +226,7 @@ class RollingMap:
 
     def walkers(self, T_odom_base: lfdcore._core.geometry.Pose2) -> ObstaclePoints:
         """
-        The remembered points of what walks, hit in the last 0.5 s -> ObstaclePoints in base_link. obstacles() holds them too.
+        The points of what walks, as the newest scan hit them -> ObstaclePoints in base_link. obstacles() holds them too.
         """
 
     @property

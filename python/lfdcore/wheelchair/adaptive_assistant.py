@@ -28,7 +28,7 @@ from lfdcore.wheelchair.heatmaps.joystick import (
 )
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
-from lfdcore.wheelchair.watch import HALTS
+from lfdcore.wheelchair.watch import HALTS, WatchConfig
 
 Floats = NDArray[np.float64]
 _ALMOST_STILL = 0.05
@@ -117,6 +117,7 @@ class AdaptiveAssistant:
         config: DriveAssistantConfig | None = None,
         adaptation: AdaptationConfig | None = None,
         name: str = "heatmaps_adaptive",
+        watch: WatchConfig | None = None,
     ) -> None:
         self.name = name
         self.chair = chair
@@ -124,7 +125,7 @@ class AdaptiveAssistant:
         self.adapter = JoystickAdapter(model.joystick, self.adaptation.adapter)
         self.planner = model.planner(self.chair)
         """With the joystick model as adapted so far"""
-        self._drive = DriveAssistant(self.planner, config)
+        self._drive = DriveAssistant(self.planner, config, watch=watch)
         self._offset = SteeringOffset(self.adaptation)
 
     @property

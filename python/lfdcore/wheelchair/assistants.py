@@ -24,7 +24,7 @@ from lfdcore.control import (
     solve_dynamic_window,
     time_to_contact,
 )
-from lfdcore.geometry import Pose2, Twist2, integrate, wrap_angle
+from lfdcore.geometry import MotionLimits, Pose2, Twist2, integrate, wrap_angle
 from lfdcore.grid import ObstaclePoints
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
@@ -112,6 +112,10 @@ class SeeingAssistant(ABC):
         self._pending.give(observation.stamp, said.command)
         return said
 
+    def overruled(self, stamp: float, command: Twist2) -> None:
+        """The chair was given `command` [m/s, rad/s] at `stamp` [s], and not what update() said."""
+        self._pending.give(stamp, command)
+
     def _halt(self, observation: Observation, mode: str) -> Assistance:
         if mode == FAULT:  # where the chair is, or when, is no longer what they were made with
             self._surroundings.clear()
@@ -139,7 +143,7 @@ class SeeingAssistant(ABC):
             said.command,
             self._watch.twist(observation),
             obstacles,
-            pending=self._pending.at(observation.stamp),
+            pending=self._pending.at(observation.stamp, observation.odometry_stamp),
             age=self._surroundings.age(observation),
             unseen=self._surroundings.unseen(observation),
             walkers=self._surroundings.walkers(observation),
@@ -194,7 +198,14 @@ class DynamicWindowAssistant(SeeingAssistant):
         )
         ahead = observation.pose * goal
         end = (float(found.end_point[0]), float(found.end_point[1]))
-        return Assistance(found.twist, "dwa", goal=(ahead.x, ahead.y), control_point=end)
+        return Assistance(_within(found.twist, self.chair.limits), "dwa", goal=(ahead.x, ahead.y), control_point=end)
+
+
+def _within(twist: Twist2, limits: MotionLimits) -> Twist2:
+    return Twist2(
+        float(np.clip(twist.linear, -limits.max_reverse, limits.max_linear)),
+        float(np.clip(twist.angular, -limits.max_angular, limits.max_angular)),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

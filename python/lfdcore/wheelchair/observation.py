@@ -47,6 +47,12 @@ class ChairGeometry:
     """Share of way and turn by which odometry may be wrong"""
 
     def __post_init__(self) -> None:
+        body = self.footprint
+        for name, value in (("front", body.front), ("rear", body.rear), ("half_width", body.half_width)):
+            if not 0 < value <= 100:
+                raise ValueError(f"footprint's {name} is {value} m, must lie in (0, 100]")
+        if not all(abs(value) <= 10 for value in self.T_base_laser):
+            raise ValueError(f"T_base_laser is {self.T_base_laser}, must be within 10 m of the axle [m, m, rad]")
         if not 0 <= self.latency <= 1:
             raise ValueError(f"latency is {self.latency} s, must lie in [0, 1]")
         if not 0 < self.period <= 10:

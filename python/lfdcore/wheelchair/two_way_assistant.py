@@ -41,10 +41,10 @@ class TwoWayAssistant:
         self.chair = chair
         self._watch = Watch(chair, watch)
         self.config = config or DriveAssistantConfig()
-        self._ahead = DriveAssistant(model.planner(self.chair), self.config)
+        self._ahead = DriveAssistant(model.planner(self.chair), self.config, watch=watch)
         # to the side of a reversing chair: a turn on the spot, the user's own
         aside = replace(self.config, reverse_from=math.pi - self.config.reverse_from)
-        self._behind = DriveAssistant(model.planner(turned_chair(self.chair)), aside)
+        self._behind = DriveAssistant(model.planner(turned_chair(self.chair)), aside, watch=watch)
         self._backwards = False
 
     def reset(self) -> None:
@@ -56,6 +56,12 @@ class TwoWayAssistant:
 
     def update(self, observation: Observation) -> Assistance:
         """That of the assistant which drives the way the stick points; the other one lets go."""
+        said = self._said(observation)
+        self._ahead.overruled(observation.stamp, said.command)
+        self._behind.overruled(observation.stamp, Twist2(-said.command.linear, said.command.angular))
+        return said
+
+    def _said(self, observation: Observation) -> Assistance:
         halt = self._watch.judge(observation)
         resting = replace(observation, joystick=(0.0, 0.0))
         if halt is not None:

@@ -29,6 +29,12 @@ UNTIL_NEUTRAL = (SILENT, FAULT)
 """Of these, what only a stick at neutral ends"""
 _SUPERVISOR = SupervisorConfig()
 """Whose creeping the watch shares"""
+OWN_DEPTH = 0.03
+"""[m] A hit deeper inside the outline is on the chair itself (RollingMap)."""
+FARTHEST = 1e7
+"""[m] (and [rad]) from where odometry began that a pose can be"""
+TELLING = 0.5
+"""[s] Odometry that comes less often is not judged by twist and commands: much may have happened between."""
 FAR_AHEAD = 0.05
 """[s] A stamp later than now by more than this has no age."""
 
@@ -73,6 +79,10 @@ class WatchConfig:
         for name, value in vars(self).items():
             if not 0 < value < math.inf:
                 raise ValueError(f"{name} is {value}, must be finite and > 0")
+        if not self.sector <= 2 * self.ahead <= 2 * math.pi:
+            raise ValueError(
+                f"ahead is {self.ahead} rad, must lie between half a sector, {self.sector / 2} rad, and pi"
+            )
         if self.least_measured > 1:
             raise ValueError(f"least_measured is {self.least_measured}, must be a share, at most 1")
 
@@ -124,10 +134,10 @@ class Watch:
 
     def judge_stick(self, observation: Observation) -> str | None:
         """The same for a chair that its stick alone drives: whether the stick can be trusted."""
-        back = observation.stamp < self._now
+        back, late = observation.stamp < self._now, self._time(observation)
         self._note_time(observation)
         mode = FAULT if back or not _stick_is_sound(observation) else self._silence(observation)
-        return self._latched(mode, observation)
+        return self._latched(mode, observation) or late
 
     def twist(self, observation: Observation) -> Twist2:
         """How fast the chair is [m/s, rad/s]: what odometry says, but while that contradicts the commands what these
@@ -153,9 +163,23 @@ class Watch:
         return self._until_neutral
 
     def _fault(self, observation: Observation) -> str | None:
-        if not _is_sound(observation) or self._went_back(observation):
+        if not _is_sound(observation, self.chair) or self._went_back(observation):
             return FAULT
-        return FAULT if self._odometry.at_fault(observation) else None
+        return FAULT if self._odometry.at_fault(observation) or self._scanned_elsewhere(observation) else None
+
+    def _scanned_elsewhere(self, observation: Observation) -> bool:
+        """Whether the scan says to be from where the chair cannot have been when it was taken."""
+        if observation.scan_pose is None:
+            return False
+        apart = observation.pose.inverse() * observation.scan_pose
+        age = min(_age(observation.stamp, observation.scan_stamp), self._oldest_scan())
+        limits = self.chair.limits
+        way = 1.5 * max(limits.max_linear, limits.max_reverse) * age + self.config.jump
+        turn = 1.5 * limits.max_angular * age + self.config.turn
+        return math.hypot(apart.x, apart.y) > way or abs(float(wrap_angle(apart.yaw))) > turn
+
+    def _oldest_scan(self) -> float:
+        return max(self.config.stale_after, self.config.stale_periods * self.chair.scan_period)
 
     def _went_back(self, observation: Observation) -> bool:
         """Whether a clock was set back. It counts from there on."""
@@ -177,8 +201,7 @@ class Watch:
 
     def _staleness(self, observation: Observation) -> str | None:
         config = self.config
-        oldest = max(config.stale_after, config.stale_periods * self.chair.scan_period)
-        stale = _age(observation.stamp, observation.scan_stamp) > oldest
+        stale = _age(observation.stamp, observation.scan_stamp) > self._oldest_scan()
         return STALE if stale or _age(observation.stamp, observation.odometry_stamp) > config.stale_after else None
 
     def _note_time(self, observation: Observation) -> None:
@@ -208,15 +231,22 @@ class _Scanner:
         except ValueError:
             return BLIND
         below = np.asarray(observation.scan.ranges) < max(observation.scan.range_min, 1e-9)
-        measured = (lengths > 0) & ~below
+        measured = (lengths > 0) & ~below & ~(hit & self._ends_on_the_chair(observation.scan, lengths))
         if hit[measured].any() and observation.scan_stamp is not None:
             self.last_hit = max(self.last_hit, observation.scan_stamp)
         return BLIND if self._least_share(observation.scan, measured) < self._config.least_measured else None
 
+    def _ends_on_the_chair(self, scan: LaserScan, lengths: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(B,) whether each beam's end lies so deep inside the outline that it is the driver's own foot, or what covers
+        the scanner: as the map has it."""
+        body, angles = self._chair.footprint.grown(-OWN_DEPTH), scan.angles()
+        x, y = self._chair.T_base_laser.transform(lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], 1)).T
+        return np.asarray((x <= body.front) & (x >= -body.rear) & (np.abs(y) <= body.half_width))
+
     def _least_share(self, scan: LaserScan, measured: NDArray[np.bool_]) -> float:
         """Of the beams that measured anything, in the sector with the fewest."""
         sectors = self._sectors(scan, len(measured))
-        count = 2 * round(self._config.ahead / self._config.sector)
+        count = math.ceil(2 * self._config.ahead / self._config.sector - 1e-9)
         inside = sectors >= 0
         there = np.bincount(sectors[inside], minlength=count)
         fine = np.bincount(sectors[inside & measured], minlength=count)
@@ -243,23 +273,24 @@ class _Odometry:
 
     def reset(self) -> None:
         self._stamp: float | None = None
-        self._pose = Pose2()
+        self._pose, self._twist = Pose2(), Twist2()
         self._expected: Twist2 | None = None
         self._contradicted = 0.0
         self._way = 0.0
 
     def at_fault(self, observation: Observation) -> bool:
         stamp, before, pose = observation.odometry_stamp, self._stamp, self._pose
-        if stamp is None or stamp == before:
+        if stamp is None:
             return False
-        self._stamp, self._pose = stamp, observation.pose
+        if stamp == before:
+            return (observation.pose, observation.twist) != (pose, self._twist) and self._forget()
+        self._stamp, self._pose, self._twist = stamp, observation.pose, observation.twist
         if before is None:
             return False
         passed = stamp - before
         if self._jumped(pose, observation, passed):
             return self._forget()
-        longest = max(self._config.stale_after, self._chair.period + self._chair.jitter)
-        if passed > longest:  # who knows what was meanwhile
+        if passed > TELLING:  # who knows what was meanwhile
             self._forget()
             return False
         return self._contradicts(pose, observation, passed) and self._forget()
@@ -323,17 +354,21 @@ def _age(now: float, stamp: float | None) -> float:
     return max(0.0, now - stamp)
 
 
-def _is_sound(observation: Observation) -> bool:
-    """Whether all numbers but the ranges are finite, and the stick within its end stops."""
+def _is_sound(observation: Observation, chair: ChairGeometry) -> bool:
+    """Whether all numbers but the ranges are finite, the stick within its end stops, and pose and twist such that
+    they can be a chair's."""
     stamps = [observation.scan_stamp, observation.odometry_stamp, observation.joystick_stamp]
     said = [stamp for stamp in stamps if stamp is not None]
     scan_pose = observation.scan_pose or observation.pose
-    numbers = (*said, *observation.pose, *observation.twist, *scan_pose)
-    return all(map(math.isfinite, numbers)) and _stick_is_sound(observation)
+    said += observation.command or ()
+    places, twist = (*observation.pose, *scan_pose), observation.twist
+    fastest, turn = 10 * max(chair.limits.max_linear, chair.limits.max_reverse), 10 * chair.limits.max_angular
+    can_be = all(abs(value) <= FARTHEST for value in places) and abs(twist.linear) <= fastest
+    return can_be and abs(twist.angular) <= turn and all(map(math.isfinite, said)) and _stick_is_sound(observation)
 
 
 def _stick_is_sound(observation: Observation) -> bool:
-    return math.isfinite(observation.stamp) and all(abs(axis) <= 1 + 1e-6 for axis in observation.joystick)
+    return math.isfinite(observation.stamp) and all(abs(axis) <= 1 for axis in observation.joystick)
 
 
 def _is_neutral(observation: Observation) -> bool:

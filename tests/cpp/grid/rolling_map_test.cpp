@@ -256,6 +256,22 @@ TEST(RollingMap, a_person_who_stands_there_is_kept) {
   for (int seed = 0; seed < 3; ++seed) EXPECT_GT(points_beside_after_meeting(0, 0.01, seed), 0);
 }
 
+TEST(RollingMap, who_walks_is_told_while_the_chair_turns) {
+  for (const double error : {0.0, 0.02, 0.05}) {
+    RollingMap map({.duration = 120, .odometry_error = error});
+    ScannedWorld world{.walls = {{-9, -9, 9, -9}, {9, -9, 9, 9}, {9, 9, -9, 9}, {-9, 9, -9, -9}},
+                       .posts = {{0, 0.8, 0.25}}};
+    int told = 0;
+    for (int k = 0; k < 30; ++k) {
+      world.posts[0].x = 4.5 - 0.11 * k;
+      const Pose2 base{0, 0, 0.5 * std::sin(0.2 * k)};
+      see(map, world, 0.1 * k, base);
+      told += distance_to(map.walkers(base), base.inverse() * Eigen::Vector2d(world.posts[0].x - 0.2, 0.7)) < 0.3;
+    }
+    EXPECT_GT(told, 15) << error;
+  }
+}
+
 TEST(RollingMap, who_walks_is_told_apart_from_what_stands) {
   RollingMap map(long_memory(0.01));
   ScannedWorld world{.walls = {{-3, -4, 20, -4}, {-3, 4, 20, 4}}, .posts = {{0, 0.8, 0.12}, {2.5, -0.8, 0.12}}};

@@ -57,16 +57,17 @@ class RollingMap {
   /// a straight drive moves along the drive, not sideways. Ends nearer than 5 mm are left out.
   ObstaclePoints obstacles(const Pose2& T_odom_base) const;
 
-  /// The remembered points, in base_link, of what walks: young ones, hit in the last 0.5 s. obstacles() holds them too.
+  /// The remembered points, in base_link, of what walks: young ones that the newest scan hit, with 3 standard
+  /// errors as their uncertainty. obstacles() holds them too.
   ObstaclePoints walkers(const Pose2& T_odom_base) const;
 
   /// The edge of the space that nothing is known of: the centres, in base_link, of the cells of 0.05 m that no beam has
   /// passed or ended in within `duration`, or since the odometry's error may have come to 0.1 m, next to ones that are
-  /// known, no farther from the outline of `body` than `reach` [m]. Within 0.1 m of the outline: of all such cells of
-  /// 0.025 m, with half their diagonal as their uncertainty. What lies under the body is known, and what was under `own_body` in any of the scans. Gaps of less than
-  /// 0.25 m, as between the beams of a scan, count as seen, but not within 0.25 m of a point: there they are the inside
-  /// and the far side of a thing. Throws std::invalid_argument for a pose that is not finite, a footprint beyond 100 m
-  /// or a reach outside [0, 20] m.
+  /// known, no farther from the outline of `body` than `reach` [m]. Within 0.1 m ahead of or behind it: of all such
+  /// cells of 0.025 m, with half their diagonal as their uncertainty. What lies under the body is known, and what was
+  /// under `own_body` in any of the scans. Gaps of less than 0.25 m, as between the beams of a scan, count as seen, but
+  /// not within 0.25 m of a point: there they are the inside and the far side of a thing. Throws std::invalid_argument
+  /// for a pose that is not finite, a footprint beyond 100 m or a reach outside [0, 20] m.
   ObstaclePoints unseen(const Pose2& T_odom_base, const Footprint& body, double reach) const;
 
   /// The window around base_link, 100 x 100 cells: occupied where a remembered point lies, else free where the cell

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, replace
@@ -21,7 +22,7 @@ from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, Rando
 from lfdcore.simulated.people import People
 from lfdcore.simulated.unsteady_clock import UnsteadyClock
 from lfdcore.simulation import DrivingWorld
-from lfdcore.study.arms import StudyModels, make_assistant
+from lfdcore.study.arms import METHODS, StudyModels, make_assistant
 from lfdcore.study.safety.conditions import CONDITIONS
 from lfdcore.study.safety.standing import STANDS_BELOW, Standing
 from lfdcore.wheelchair.drive_loop import Tick, drive
@@ -39,12 +40,15 @@ class HostileCounts:
 
     distance: float
     """[m] that the axle went"""
-    seconds: float
+    lasted: float
+    """[s]"""
     collisions: int
     """contacts with what stands, where a scan had shown it. A contact ends the run: where wheels turn against
     something, odometry and map are wrong from there on."""
     unseen_collisions: int
     """the same, where no scan had shown it: the chair creeps into such space"""
+    contact_speed: float
+    """of the axle [m/s] at the tick before the contact; 0 without one"""
     nose_met_seen: int
     """contacts in which the moving nose met a person whom the scan had shown for a second"""
     people_met: int
@@ -81,7 +85,7 @@ class HostileRun:
             return kept
         counts = self._drive()
         with whole_file(self._file(), "counts") as path:
-            path.write_text(json.dumps({**self.about(), **asdict(counts)}, indent=1) + "\n")
+            path.write_text(json.dumps({**self._key(), **asdict(counts)}, indent=1) + "\n")
         return counts
 
     def _file(self) -> Path:
@@ -89,12 +93,22 @@ class HostileRun:
         return self.folder / f"run-{''.join(c if c.isalnum() else '-' for c in words)}.json"
 
     def _kept(self) -> HostileCounts | None:
-        """None also for what another version of the study counted."""
+        """None also for what is broken, and for what another version of the study or another model counted."""
         if not self._file().exists():
             return None
-        said = json.loads(self._file().read_text())
-        names = HostileCounts.__dataclass_fields__
-        return HostileCounts(**{name: said[name] for name in names}) if names.keys() <= said.keys() else None
+        try:
+            said = json.loads(self._file().read_text())
+            counts = HostileCounts(**{name: said[name] for name in HostileCounts.__dataclass_fields__})
+            sound = all(0 <= value < math.inf for value in asdict(counts).values()) and counts.lasted > 0
+            return counts if sound and self._key().items() <= said.items() else None
+        except (ValueError, TypeError, KeyError, AttributeError):
+            return None
+
+    def _key(self) -> dict[str, str | int | float]:
+        """What the counts are of."""
+        model = self.models.file(METHODS[self.arm]) if self.arm in METHODS else None
+        digest = "" if model is None else hashlib.sha256(model.read_bytes()).hexdigest()
+        return {**self.about(), "model": digest}
 
     def _drive(self) -> HostileCounts:
         condition = CONDITIONS[self.condition]
@@ -105,16 +119,16 @@ class HostileRun:
         people = None if run.people is None else People(course.grid, run.people, (start.x, start.y), self.seed)
         stick = hostile(self.stick, course, self.seed)
         chair = SimulatedChair(course, stick, self.seed, run.chair, run.lidar, people, run.scanner, run.period)
-        count = RunCount(chair, Standing(course.grid, run), course.grid.resolution, self.seconds)
+        count = RunCount(chair, Standing(course.grid, run), self.seconds)
         clock = UnsteadyClock(condition.ticks, self.seed)
         drive(chair, make_assistant(self.arm, self.models, run), count, clock=clock)
         return count.result()
 
 
 class ShownCells:
-    """Where scans have shown something in the map: cells of .02 m."""
+    """Where scans have shown something in the map: cells of .01 m."""
 
-    SIDE = 0.02
+    SIDE = 0.01
 
     def __init__(self, chair: ChairGeometry) -> None:
         self._chair = chair
@@ -133,21 +147,24 @@ class ShownCells:
         body, (x, y) = self._chair.footprint, points.T
         return np.asarray((x < body.front) & (x > -body.rear) & (np.abs(y) < body.half_width))
 
-    def near(self, centre: NDArray[np.float64], resolution: float) -> bool:
-        """Whether anything was shown of the solid cell around `centre` (2,) [m, map]: in it, or within about .02 m."""
-        ix, iy = np.floor(centre / self.SIDE).astype(int).tolist()
-        reach = round((resolution / 2 + self.SIDE) / self.SIDE)
-        around = range(-reach, reach + 1)
-        return any((ix + dx, iy + dy) in self._cells for dx in around for dy in around)
+    def near(self, pose: Pose2, cell: NDArray[np.float64]) -> bool:
+        """Whether anything was shown within .02 to .03 m of where a chair at `pose` [map] touches a solid cell around
+        `cell` (2,) [m, map]: of its outline, what is nearest."""
+        body = self._chair.footprint
+        x, y = pose.inverse().transform(cell[None])[0]
+        touched = (np.clip(x, -body.rear, body.front), np.clip(y, -body.half_width, body.half_width))
+        ix, iy = np.floor(pose.transform(np.array([touched]))[0] / self.SIDE).astype(int).tolist()
+        return any((ix + dx, iy + dy) in self._cells for dx in range(-2, 3) for dy in range(-2, 3))
 
 
 class RunCount:
     """Of the ticks of a run; called with each, it says whether that was the last."""
 
-    def __init__(self, chair: SimulatedChair, standing: Standing, resolution: float, seconds: float) -> None:
-        self._chair, self._standing, self._resolution, self._seconds = chair, standing, resolution, seconds
+    def __init__(self, chair: SimulatedChair, standing: Standing, seconds: float) -> None:
+        self._chair, self._standing, self._seconds = chair, standing, seconds
         self._ticks = self._moving = self._halted = 0
         self._collisions = self._unseen_collisions = 0
+        self._speed = self._contact_speed = 0.0
         self._shown = ShownCells(chair.geometry)
         self._distance = self._stamp = 0.0
 
@@ -156,8 +173,10 @@ class RunCount:
         self._chair.show(tick.assistance.mode, tick.stamp)
         self._ticks += 1
         if truth.collision:
-            shown = self._shown.near(truth.state.contact_point, self._resolution)
+            shown = self._shown.near(truth.state.pose, truth.state.contact_point)
             self._collisions, self._unseen_collisions = int(shown), int(not shown)
+            self._contact_speed = self._speed
+        self._speed = abs(twist.linear)
         if tick.observation.scan_stamp == tick.stamp:
             self._shown.add(truth.state.pose, tick.observation.scan)
         self._standing.add(tick, truth)
@@ -170,9 +189,10 @@ class RunCount:
         met = self._chair.people_met()
         return HostileCounts(
             distance=self._distance,
-            seconds=self._stamp,
+            lasted=self._stamp,
             collisions=self._collisions,
             unseen_collisions=self._unseen_collisions,
+            contact_speed=self._contact_speed,
             nose_met_seen=sum(one.foreseeable for one in met),
             people_met=len(met),
             moving=self._moving / self._ticks,

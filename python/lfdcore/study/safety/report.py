@@ -94,7 +94,7 @@ def _under(result: SafetyResult, conditions: Sequence[str], arm: str) -> list[Ho
 def _counted(counts: Sequence[HostileCounts]) -> Row:
     """Cells of COUNTED."""
     collisions, stood = sum(one.collisions for one in counts), sum(one.stood for one in counts)
-    hours = sum(one.seconds for one in counts) / 3600
+    hours = sum(one.lasted for one in counts) / 3600
     return (
         f"{_km(counts):.2f}",
         str(collisions),

@@ -112,7 +112,7 @@ def test_the_report_says_what_was_driven_and_which_condition_promises_nothing(tm
 def test_the_table_of_what_is_promised_is_of_all_such_conditions_together(tmp_path: Path) -> None:
     study = replace(SMALL, arms=("none",), conditions=("as declared", "late ticks", "20 beams"))
     result = run_safety_study(study, tmp_path, silent)
-    counts = [replace(one, collisions=1, stood=2, distance=10e3, seconds=3600.0) for one in result.counts]
+    counts = [replace(one, collisions=1, stood=2, distance=10e3, lasted=3600.0) for one in result.counts]
     found = findings(replace(result, counts=tuple(counts)))
     ((_, at_most, km, collisions, rate, _, stood),) = found.tables[0].rows
     assert (km, collisions, stood) == ("40.00", "4", "2.00\n8 in 4.0 h")
