@@ -43,6 +43,26 @@ def test_the_durations_add_up_to_the_latency_once_it_has_passed() -> None:
     assert sum(duration for _, duration in pending.at(0.4)) == pytest.approx(0.25)
 
 
+def test_what_acted_since_old_odometry_comes_first() -> None:
+    """Odometry is of .25 s: the commands of .0, .1 and .2 s act from .2, .3 and .4 s on."""
+    pending = given(0.2, [0.0, 0.1, 0.2])
+    said_since = [(twist.linear, duration) for twist, duration in pending.at(0.3, since=0.25)]
+    assert said_since == [(1.0, pytest.approx(0.05)), (2.0, pytest.approx(0.1)), (3.0, pytest.approx(0.1))]
+
+
+def test_a_command_takes_the_place_of_one_given_at_the_same_time() -> None:
+    pending = given(0.2, [0.0, 0.1])
+    pending.give(0.1, Twist2(9.0, 0.0))
+    assert said(pending, 0.2) == [(1.0, 0.1), (9.0, 0.1)]
+
+
+def test_what_is_long_over_is_forgotten() -> None:
+    pending = PendingCommands(0.1, 0.15)
+    for k in range(1000):
+        pending.give(0.1 * k, Twist2(1.0, 0.0))
+    assert len(pending._given) < 20
+
+
 def test_a_reset_forgets() -> None:
     pending = given(0.3, [0.0])
     pending.reset()
