@@ -7,7 +7,11 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 TESTS = ROOT / "tests" / "cpp"
-ABOUT_SEVERAL_HEADERS = {TESTS / "steady_state_test.cpp", TESTS / "control" / "supervisor_promise_test.cpp"}
+ABOUT_SEVERAL_HEADERS = {
+    TESTS / "steady_state_test.cpp",
+    TESTS / "control" / "supervisor_promise_test.cpp",
+    TESTS / "control" / "supervisor_touch_test.cpp",
+}
 
 
 def headers(module: str, name: str) -> list[str]:

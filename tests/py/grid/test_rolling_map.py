@@ -72,7 +72,7 @@ class SlowCells:
         return bool(near[dx**2 + dy**2 <= 16].all())
 
 
-@dataclass
+@dataclass(eq=False)
 class SlowPoint:
     place: Array
     direction: Array
@@ -138,28 +138,35 @@ class SlowMap:
         if best is None:
             best = SlowPoint(end, direction, direction, stamp, stamp, now)
             self.points.append(best)
-        elif not self.average(best, end, direction, now):
+        elif not (stood := self.average(best, end, direction, now)):
             best.young &= stamp - best.since < 3.0
+            return
+        elif stood >= 1.0:
             return
         best.young = best.young or self.is_young(best, since)
 
     def is_young(self, point: SlowPoint, since: int) -> bool:
         near = [p for p in self.points if np.hypot(*(p.place - point.place)) <= 0.06]
-        if any(not p.young and p.misses == 0 and p.seen - p.since >= 1.0 for p in near):
+        recent = [p for p in near if point.seen - p.seen <= 0.5]
+        stand = [p for p in near if p.since < point.since and (p.misses == 0 or p in recent)]
+        if any(not p.young and p.seen - p.since >= 1.0 for p in stand):
             return False
-        return self.cells.clear_around(point.place, since) or any(p.young and point.seen - p.seen <= 0.5 for p in near)
+        if self.cells.clear_around(point.place, since):
+            return True
+        return bool(self.cells.last_clear[self.cells.cell(*point.place)] >= since) and any(p.young for p in recent)
 
-    def average(self, p: SlowPoint, end: Array, direction: Array, now: int) -> bool:
-        """-> whether it has moved."""
+    def average(self, p: SlowPoint, end: Array, direction: Array, now: int) -> float:
+        """-> how long [s] it had stood, if it has moved; else 0."""
         p.drift += 0.3 * ((end - p.place) @ direction - p.drift)
         p.hits = min(p.hits + 1, 100)
         p.place = p.place + (end - p.place) / p.hits
         p.mean_direction = p.mean_direction + (direction - p.mean_direction) / p.hits
         p.direction, p.seen, p.scan, p.misses = direction, self.stamps[now], now, 0
         if p.hits <= 5 or abs(p.drift) <= 2 * self.noise:
-            return False
+            return 0.0
+        stood = p.seen - p.since
         p.place, p.drift, p.hits, p.since = p.place + p.drift * direction, 0.0, 5, p.seen
-        return True
+        return stood
 
     def stale(self, p: SlowPoint, away: Array, lengths: Array, directions: Array) -> bool:
         stamp = self.stamps[-1]
