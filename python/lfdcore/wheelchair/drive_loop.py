@@ -99,7 +99,8 @@ def drive(
 
     clock: a WallClock unless given. However the drive ends (also by an exception or Ctrl-C), the chair is stopped.
     ValueError, before anything moves, for an assistant made for another chair, or for this one at another period, and
-    for a period of more than 1 s; for a command that is not finite, which the chair is never given.
+    for a period of more than 1 s; for a command that is not finite, which the chair is never given, and
+    for a clock that says no finite time.
     """
     assistant.chair.require_fit(chair.geometry)
     period, holds = chair.geometry.period, chair.geometry.period + chair.geometry.jitter
@@ -112,6 +113,8 @@ def drive(
         assistant.reset()
         while True:
             stamp = clock.wait_until(number * period)
+            if not math.isfinite(stamp):
+                raise ValueError(f"the clock says {stamp} s, must be finite")
             observation = chair.observe(stamp)
             assistance = assistant.update(observation)
             _require_finite(assistance.command)

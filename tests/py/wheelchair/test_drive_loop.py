@@ -166,3 +166,15 @@ def test_by_the_wall_clock_no_tick_comes_before_it_is_due() -> None:
     assert all(tick.stamp >= 0.02 * number for number, tick in enumerate(seen))
     clock = WallClock()
     assert 0 <= clock.wait_until(-1.0) < clock.wait_until(0.01)
+
+
+@pytest.mark.parametrize("says", [float("nan"), float("inf")])
+def test_a_clock_that_says_no_time_ends_the_drive_and_stops_the_chair(says: float) -> None:
+    class Broken(SimulatedClock):
+        def wait_until(self, due: float) -> float:
+            return due if due < 0.25 else says
+
+    chair = Wheels()
+    with pytest.raises(ValueError, match="the clock says"):
+        drive(chair, Unassisted(CHAIR), ticks(100), clock=Broken())
+    assert chair.calls[-1][0] == "stop"

@@ -36,7 +36,7 @@ class SafetyStudy(Study):
     sticks: Annotated[tuple[str, ...], Option(f"Of {', '.join(STICKS)}.")] = STICKS
     models: Annotated[tuple[Path, ...], Option("A learned model, once a method.", flag="--model")] = ()
     courses: Annotated[tuple[str, ...], Option("Comma-separated names of courses or map .yaml files.")] = COURSES
-    runs: Annotated[int, Option("Runs of each stick in each course, each from another place.", minimum=1)] = 2
+    runs: Annotated[int, Option("Of each stick in each course, each from another place.", minimum=1, maximum=10000)] = 2
     seconds: Annotated[int, Option("Of each run, or until something is touched.", minimum=10, maximum=100000)] = 300
 
     def __post_init__(self) -> None:
