@@ -47,12 +47,12 @@ figures: $(VENV)/.installed-test
 	$(BIN)/python -m pytest -n 2 -v -m "figures or not figures" tests/py/study/test_figures.py
 
 safety: $(VENV)/.installed-test
-	LFDCORE_SUPERVISOR_STATES=$(SAFETY_STATES) LFDCORE_HELD_STICK_TICKS=36000 \
-	  build/release/lfdcore_tests --gtest_filter='SupervisorPromise.*'
 	LFDCORE_STAMP_SCHEDULES=$(SAFETY_SCHEDULES) $(BIN)/python -m pytest -n 2 tests/py/wheelchair/test_stamps.py
 	$(BIN)/lfdcore study safety --output safety --assistants none,supervisor,primitives,heatmaps \
 	  --model python/lfdcore/models/primitives.safetensors --model python/lfdcore/models/heatmaps.safetensors \
 	  --runs $(SAFETY_RUNS) --seconds 3600
+	LFDCORE_SUPERVISOR_STATES=$(SAFETY_STATES) LFDCORE_HELD_STICK_TICKS=36000 \
+	  build/release/lfdcore_tests --gtest_filter='SupervisorPromise.*'
 
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py
