@@ -34,7 +34,7 @@ OWN_DEPTH = 0.03
 FARTHEST = 1e7
 """[m] (and [rad]) from where odometry began that a pose can be"""
 TELLING = 0.5
-"""[s] Odometry that comes less often is not judged by twist and commands: much may have happened between."""
+"""[s] Poses that come less often are not judged by the twist: it may have changed between."""
 FAR_AHEAD = 0.05
 """[s] A stamp later than now by more than this has no age."""
 
@@ -290,7 +290,8 @@ class _Odometry:
         passed = stamp - before
         if self._jumped(pose, observation, passed):
             return self._forget()
-        if passed > TELLING:  # who knows what was meanwhile
+        longest = max(self._config.stale_after, self._chair.period + self._chair.jitter)
+        if passed > longest:  # who knows what was meanwhile
             self._forget()
             return False
         return self._contradicts(pose, observation, passed) and self._forget()
@@ -318,7 +319,7 @@ class _Odometry:
         config, now, twist = self._config, observation.pose, observation.twist
         kept = math.exp(-passed / config.ramp)
         moved = math.hypot(now.x - before.x, now.y - before.y)
-        self._way = kept * self._way + abs(twist.linear) * passed - moved
+        self._way = kept * self._way + abs(twist.linear) * passed - moved if passed <= TELLING else 0.0
         if abs(self._way) > config.disagreement * config.ramp + config.jump:
             return True
         expected = self._expect(observation, passed)

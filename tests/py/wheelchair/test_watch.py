@@ -269,7 +269,7 @@ def test_frozen_odometry_is_noticed_before_the_wall_that_the_scan_shows(
     assert chair.pose.x + 0.8 < distance
 
 
-@pytest.mark.parametrize("period", [0.05, 0.2])
+@pytest.mark.parametrize("period", [0.05, 0.2, 0.8])
 @pytest.mark.parametrize("distance", [1.3, 1.8, 4.0])
 def test_frozen_odometry_is_noticed_at_other_periods_too(period: float, distance: float) -> None:
     chair = ObedientChair(Supervised(chair_of(period)), np.array([[[distance, -3.0], [distance, 3.0]]]), period)
