@@ -228,6 +228,9 @@ void bind_rolling_map(py::module_& m) {
           "The window around base_link -> OccupancyGrid (100 x 100 of 0.05 m): occupied where a remembered point lies, "
           "else free where seen free within `duration`, else -1.")
       .def("clear", &RollingMap::clear, "Forgets everything, stamps included.")
+      .def_property_readonly_static(
+          "own_depth", [](const py::object&) { return RollingMap::own_depth; },
+          "[m] inside own_body: what is hit deeper is the robot's own")
       .def_property_readonly(
           "duration", [](const RollingMap& map) { return map.config().duration; }, "[s]")
       .def_property_readonly(

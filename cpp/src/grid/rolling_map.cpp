@@ -30,7 +30,6 @@ constexpr double settled_age = 1;      // [s] ... not young, if that has stood t
 constexpr double slipping = 2;         // ... so many times the odometry's error lets a thing stand ...
 constexpr double kin_age = 0.5;        // [s] ... else young, if that is and was hit so recently, and this was empty
 
-constexpr double own_depth = 0.03;      // [m] inside the outline
 constexpr double sure_errors = 3;       // [sd of a range] before its end, a beam has surely passed
 constexpr double uncertain_errors = 3;  // standard errors of a point's uncertainty
 constexpr double round_error = 0.01;    // [m] of it is given as an uncertainty to all sides, more of it along the beams
@@ -373,8 +372,7 @@ void RollingMap::add_unseen_quarters(const Eigen::Vector2d& centre, const Pose2&
                                      std::vector<double>& points) const {
   for (const double dy : {-coarse / 4, coarse / 4})
     for (const double dx : {-coarse / 4, coarse / 4}) {
-      const SeenCells::State* cell = cells_.at(centre.x() + dx, centre.y() + dy);
-      if (cell != nullptr && std::max(cell->last_free, cell->last_clear) >= sure_scan_) continue;
+      if (SeenCells::is_seen(cells_.at(centre.x() + dx, centre.y() + dy), sure_scan_)) continue;
       const Eigen::Vector2d place = T_base_odom * (centre + Eigen::Vector2d(dx, dy));
       if (distance_outside(body, place.x(), place.y()) > quarter_half)
         points.insert(points.end(), {place.x(), place.y()});

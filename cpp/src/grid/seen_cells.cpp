@@ -1,5 +1,6 @@
 #include "lfdcore/grid/seen_cells.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -38,12 +39,13 @@ const SeenCells::State* SeenCells::state(std::int64_t ix, std::int64_t iy) const
 
 const SeenCells::State* SeenCells::at(double x, double y) const { return state(cell_of(x), cell_of(y)); }
 
+bool SeenCells::is_seen(const State* cell, ScanNumber from) {
+  return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= from;
+}
+
 Mask SeenCells::unseen_blocks(double x, double y, Eigen::Index side, ScanNumber from) const {
   const std::int64_t left = cell_of(x + resolution / 2), bottom = cell_of(y + resolution / 2);
-  const auto seen = [&](std::int64_t ix, std::int64_t iy) {
-    const State* cell = state(ix, iy);
-    return cell != nullptr && std::max(cell->last_free, cell->last_clear) >= from;
-  };
+  const auto seen = [&](std::int64_t ix, std::int64_t iy) { return is_seen(state(ix, iy), from); };
   Mask unseen(side, side);
   for (Eigen::Index row = 0; row < side; ++row)
     for (Eigen::Index column = 0; column < side; ++column) {

@@ -173,6 +173,8 @@ class RollingMap:
     ValueError for values out of these bounds.
     """
 
+    own_depth: typing.ClassVar[float] = 0.03
+
     def __init__(
         self,
         duration: float = 30.0,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lfdcore.control import SupervisorConfig
 from lfdcore.geometry import Pose2, Twist2, approach, wrap_angle
-from lfdcore.grid import LaserScan, read_beams
+from lfdcore.grid import LaserScan, RollingMap, read_beams
 from lfdcore.wheelchair.observation import ChairGeometry, Observation, usual_period
 from lfdcore.wheelchair.stick import DEAD_ZONE
 
@@ -29,8 +29,6 @@ UNTIL_NEUTRAL = (SILENT, FAULT)
 """Of these, what only a stick at neutral ends"""
 _SUPERVISOR = SupervisorConfig()
 """Whose creeping the watch shares"""
-OWN_DEPTH = 0.03
-"""[m] A hit deeper inside the outline is on the chair itself (RollingMap)."""
 FARTHEST = 1e7
 """[m] (and [rad]) from where odometry began that a pose can be"""
 TELLING = 0.5
@@ -239,7 +237,7 @@ class _Scanner:
     def _ends_on_the_chair(self, scan: LaserScan, lengths: NDArray[np.float64]) -> NDArray[np.bool_]:
         """(B,) whether each beam's end lies so deep inside the outline that it is the driver's own foot, or what covers
         the scanner: as the map has it."""
-        body, angles = self._chair.footprint.grown(-OWN_DEPTH), scan.angles()
+        body, angles = self._chair.footprint.grown(-RollingMap.own_depth), scan.angles()
         x, y = self._chair.T_base_laser.transform(lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], 1)).T
         return np.asarray((x <= body.front) & (x >= -body.rear) & (np.abs(y) <= body.half_width))
 

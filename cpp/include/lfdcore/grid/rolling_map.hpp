@@ -39,9 +39,11 @@ void validate(const RollingMapConfig& config);
 ///   forgotten, and what comes into view from behind a corner is not. What is hit for 3 s without moving is no longer
 ///   young.
 ///
-/// Hits deeper inside `own_body` than 0.03 m are the robot's own: no obstacle, and their beam says nothing.
+/// Hits deeper inside `own_body` than `own_depth` are the robot's own: no obstacle, and their beam says nothing.
 class RollingMap {
  public:
+  static constexpr double own_depth = 0.03;  ///< [m] inside the outline: what is hit deeper is the robot's own
+
   explicit RollingMap(const RollingMapConfig& config = {});
 
   /// Adds a scan taken at `stamp` [s]; one without beams is as one whose beams all measured nothing. Allocates nothing

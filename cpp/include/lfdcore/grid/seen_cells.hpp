@@ -33,6 +33,8 @@ class SeenCells {
 
   /// Of the cell at a place [m]; nothing outside the square.
   const State* at(double x, double y) const;
+  /// Whether a beam passed through a cell, or the body was on it, in scan `from` or later; not outside the square.
+  static bool is_seen(const State* cell, ScanNumber from);
 
   /// (side, side) blocks of 2 x 2 cells, from the one with its corner at a place [m] on: true where none of its cells
   /// was passed through, nor under the body, in scan `from` or later.
