@@ -1,7 +1,5 @@
 #include "lfdcore/grid/fused_points.hpp"
 
-#include <algorithm>
-
 namespace lfdcore {
 namespace {
 

@@ -36,6 +36,10 @@ constexpr double round_error = 0.01;    // [m] of it is given as an uncertainty 
 constexpr double least_shift = 0.005;   // [m] nearer places are left out
 constexpr std::size_t most_places = 10;
 
+constexpr double filled_within = 2;      // [m] farther away, no chair can be before the next scan
+constexpr double filled_spacing = 0.03;  // [m] no corner of a body gets between points with half of it around them
+constexpr double widest_gap = 0.25;      // [m] no body gets through it
+
 constexpr double coarse = 2 * SeenCells::resolution;  // [m] cells of the unseen space ...
 constexpr int crack = 5;                              // [cells] ... narrower gaps in what was seen do not count ...
 constexpr double under_body = 0.036;                  // [m] ... a cell with its centre this near the body is under it
@@ -271,12 +275,15 @@ ObstaclePoints RollingMap::obstacles(const Pose2& T_odom_base) const {
   require_pose("T_odom_base", T_odom_base);
   const double c = std::cos(T_odom_base.yaw), s = std::sin(T_odom_base.yaw);
   const Taken now = at(0, T_odom_base);
+  std::vector<FusedPoint> near;
+  for (const FusedPoint& point : points_.points())
+    if (std::hypot(point.x - T_odom_base.x, point.y - T_odom_base.y) <= config_.radius) near.push_back(point);
+  fill_gaps(T_odom_base, near);
   std::vector<Shift> places;
   std::vector<double> uncertainty;
-  Path points(static_cast<Eigen::Index>(size() * most_places), 2);
-  for (const FusedPoint& point : points_.points()) {
+  Path points(static_cast<Eigen::Index>(near.size() * most_places), 2);
+  for (const FusedPoint& point : near) {
     const double dx = point.x - T_odom_base.x, dy = point.y - T_odom_base.y;
-    if (dx * dx + dy * dy > config_.radius * config_.radius) continue;
     const double error = uncertain_errors * points_.standard_error(point);
     find_places(point, error, now, places);
     for (const auto& [x, y] : places) {
@@ -287,6 +294,22 @@ ObstaclePoints RollingMap::obstacles(const Pose2& T_odom_base) const {
   }
   points.conservativeResize(static_cast<Eigen::Index>(uncertainty.size()), 2);
   return ObstaclePoints(std::move(points), std::move(uncertainty));
+}
+
+// A wall that is seen at a grazing angle has a point every 10 cm; a corner of the chair would swing in between.
+void RollingMap::fill_gaps(const Pose2& T_odom_base, std::vector<FusedPoint>& points) const {
+  const double reach = std::min(filled_within, config_.radius);
+  const auto fill = [&](const FusedPoint& one, const FusedPoint& other) {
+    const double dx = other.x - one.x, dy = other.y - one.y;
+    const int parts = static_cast<int>(std::ceil(std::hypot(dx, dy) / filled_spacing));
+    FusedPoint point = one.hits <= other.hits ? one : other;
+    for (int k = 1; k < parts; ++k) {
+      point.x = one.x + dx * k / parts;
+      point.y = one.y + dy * k / parts;
+      points.push_back(point);
+    }
+  };
+  points_.visit_gaps(T_odom_base.x, T_odom_base.y, reach, filled_spacing, widest_gap, fill);
 }
 
 ObstaclePoints RollingMap::walkers(const Pose2& T_odom_base) const {

@@ -184,7 +184,7 @@ TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_
   const long states = count_from("LFDCORE_SUPERVISOR_STATES", 2000);
   Supervisor supervisors[] = {Supervisor({}, {}, {}, {0.05, 0.025}), Supervisor(), Supervisor({}, {}, {}, {0.2, 0.1})};
   Random random(11);
-  long kept = 0, moving = 0, passed = 0, touched = 0;
+  long kept = 0, moving = 0, passed = 0, touched = 0, breaches = 0;
   double worst = -1e9;
   for (long n = 0; n < states; ++n) {
     const State state = any_state(random);
@@ -201,10 +201,13 @@ TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_
     moving += result.twist.linear != 0 || result.twist.angular != 0;
     passed += !result.changed;
     touched += result.twist.linear != 0 && may_scrape(state);
-    worst = std::max(worst, worst_breach(state, result, supervisor, random));
-    ASSERT_LE(worst, tolerance) << "state " << n;
+    const double breach = worst_breach(state, result, supervisor, random);
+    if (breach > tolerance) ADD_FAILURE() << "state " << n << ": " << breach << " m";
+    breaches += breach > tolerance;
+    worst = std::max(worst, breach);
   }
   RecordProperty("states", static_cast<int>(states));
+  RecordProperty("breaches", static_cast<int>(breaches));
   RecordProperty("worst_breach_um", static_cast<int>(1e6 * worst));
   EXPECT_GT(kept, states / 2);
   EXPECT_GT(moving, states / 4);

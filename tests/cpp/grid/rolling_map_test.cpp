@@ -81,6 +81,15 @@ Spread behind_wall_ahead(const RollingMap& map, double wall) {
   return spread;
 }
 
+// Beams of 1 degree meet it every 11 cm.
+TEST(RollingMap, a_wall_seen_at_a_grazing_angle_has_no_holes_that_a_corner_of_the_chair_fits_into) {
+  RollingMap map({.duration = 30, .range_noise = 0.001});
+  ScannedWorld world{.walls = {{-20, 0.35, 20, 0.35}}, .noise = 0.001};
+  for (int k = 1; k <= 50; ++k) see(map, world, 0.1 * k, {});
+  const ObstaclePoints seen = map.obstacles({});
+  for (double x = 1; x < 1.9; x += 0.001) EXPECT_LT(distance_to(seen, {x, 0.35}), 0.016) << x;
+}
+
 class Noise : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(RollingMap, Noise, testing::Values(0.01, 0.03, 0.06));
 

@@ -2,6 +2,7 @@
 // with.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -76,6 +77,27 @@ class FusedPoints {
     return found;
   }
 
+  /// Calls visit(one, other) for each pair of neighbours on a surface with a gap between them that a beam did not look
+  /// into: more than `least` and at most `most` apart [m], both within `reach` of a place, and no third point in the
+  /// circle that has them at its ends (Gabriel's graph).
+  template <class Visit>
+  void visit_gaps(double x, double y, double reach, double least, double most, Visit visit) const {
+    std::vector<std::int32_t> around;
+    visit_box(x, y, reach, reach, [&](std::int32_t i) {
+      const FusedPoint& one = points_[i];
+      if (std::hypot(one.x - x, one.y - y) > reach) return;
+      around.clear();
+      visit_box(one.x, one.y, most, most, [&](std::int32_t k) { around.push_back(k); });
+      for (const std::int32_t j : around) {
+        const FusedPoint& other = points_[j];
+        const double apart = std::hypot(other.x - one.x, other.y - one.y);
+        if (j <= i || apart <= least || apart > most || std::hypot(other.x - x, other.y - y) > reach) continue;
+        if (std::none_of(around.begin(), around.end(), [&](std::int32_t k) { return between(one, points_[k], other); }))
+          visit(one, other);
+      }
+    });
+  }
+
   /// Forgets the points for which `stale(point)` holds; it may change them, but not move them.
   template <class Stale>
   void drop_if(Stale stale) {
@@ -92,6 +114,10 @@ class FusedPoints {
  private:
   static std::int64_t bucket_of(double metres) { return static_cast<std::int64_t>(std::floor(metres / bucket)); }
   std::int32_t& first_in_bucket(double x, double y);
+  // Sees the two others under more than a right angle.
+  static bool between(const FusedPoint& one, const FusedPoint& point, const FusedPoint& other) {
+    return (one.x - point.x) * (other.x - point.x) + (one.y - point.y) * (other.y - point.y) < 0;
+  }
   // All points in the buckets that the box covers, and maybe some of others.
   template <class Visit>
   void visit_box(double x, double y, double half_x, double half_y, Visit visit) const {

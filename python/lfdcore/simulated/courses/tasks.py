@@ -10,7 +10,7 @@ from lfdcore.geometry import Footprint, Pose2
 from lfdcore.simulated.courses.course import Course, FloatArray
 from lfdcore.simulated.courses.drawing import Door, Drawing
 from lfdcore.simulated.courses.ideal import FootprintOnGrid
-from lfdcore.simulated.courses.routes import Point, RoutePlanner
+from lfdcore.simulated.courses.routes import Point, RouteConfig, RoutePlanner
 
 DOCKING_DISTANCE = 0.30
 """A chair is docked when its outline is this near [m] to the table (issue 2)."""
@@ -96,7 +96,8 @@ def narrow_gap(seed: int, width: float = 0.90, thickness: float = 0.10) -> Task:
     start = _beside_the_gap(d, rng, near, middle)
     behind: Point = (far + 2.0, middle)
     way: list[Point] = [(start.x, start.y), *gap.waypoints(1, 0.5 + thickness / 2), behind]
-    return Task(_task_course(f"gap-{width:.2f}", d, way, start), seed, 90.0, beyond_x=far)
+    narrow = RouteConfig(min_clearance=min(RouteConfig().min_clearance, width / 2 - d.resolution))
+    return Task(_task_course(f"gap-{width:.2f}", d, way, start, config=narrow), seed, 90.0, beyond_x=far)
 
 
 _DOCKING, _GAP = 0xD0C, 0x6A9
@@ -113,9 +114,11 @@ def _beside_the_gap(d: Drawing, rng: np.random.Generator, near: float, middle: f
             return Pose2(*map(float, pose[0]))
 
 
-def _task_course(name: str, d: Drawing, way: list[Point], start: Pose2, *berths: Door) -> Course:
+def _task_course(
+    name: str, d: Drawing, way: list[Point], start: Pose2, *berths: Door, config: RouteConfig | None = None
+) -> Course:
     grid = d.grid()
-    route = RoutePlanner(grid, doors=[*d.doors, *berths]).route(way)
+    route = RoutePlanner(grid, config, doors=[*d.doors, *berths]).route(way)
     return Course(
         name, grid, start, route, False, "a short task from a start drawn from the seed", "test", tuple(d.doors)
     )

@@ -33,7 +33,8 @@ TASK_GOALS = {
 """What counts as reached, for readers of a table."""
 
 
-def _driver(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
+def driver_of(task: Task, config: ImpairedConfig, course: Course) -> TaskDriver:
+    """Who does the task, which knows its course."""
     return TaskDriver(task, config)
 
 
@@ -73,7 +74,7 @@ class TaskResult:
         return [row[name] for row in self.rows if (row["task"], row["assistant"]) == (task, arm)]
 
 
-def _limits(task: Task, run: RunConfig) -> RunConfig:
+def limits_of(task: Task, run: RunConfig) -> RunConfig:
     """A task has its own time, and being stuck does not end it: its driver may get free."""
     return replace(run, slowest=task.course.length / task.time_limit, stuck_after=float("inf"))
 
@@ -107,10 +108,10 @@ def run_task_plan(plan: TaskPlan, progress: Progress | None = None, processes: i
     jobs = [
         Job(
             task.course,
-            partial(_driver, task, config),
+            partial(driver_of, task, config),
             partial(make_assistant, arm, plan.models, plan.run),
             task.seed,
-            _limits(task, plan.run),
+            limits_of(task, plan.run),
         )
         for _, task, arm, config in runs
     ]

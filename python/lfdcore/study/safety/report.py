@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import nan
+from math import isnan, nan
 from pathlib import Path
+
+import numpy as np
 
 from lfdcore.control import SupervisorConfig
 from lfdcore.pictures.course import arm_name
 from lfdcore.progress import StageProgress
+from lfdcore.simulated.people import PeopleConfig
 from lfdcore.study.report.aims import Aim, reached_of
-from lfdcore.study.report.cells import figure_cell
+from lfdcore.study.report.cells import NONE, figure_cell, mean_cell, share_cell
 from lfdcore.study.report.page import Section
-from lfdcore.study.report.statistics import poisson_rate
+from lfdcore.study.report.statistics import paired_ratio, poisson_rate, proportion
 from lfdcore.study.report.table import Row, Table
 from lfdcore.study.safety.conditions import CONDITIONS
+from lfdcore.study.safety.errands import AMONG_PEOPLE, COURSE, DOORS, ERRANDS
 from lfdcore.study.safety.hostile_run import HostileCounts
 from lfdcore.study.safety.standing import LONGEST
 from lfdcore.study.safety.study import SafetyResult, SafetyStudy, run_safety_study
@@ -126,6 +130,67 @@ def _rate(counts: Sequence[HostileCounts]) -> tuple[float, float, float]:
     return 100 / km * rate, 100 / km * low, 100 / km * high
 
 
+def errands_table(result: SafetyResult) -> Table:
+    """A row an errand and an assistant."""
+    study = result.study
+    note = (
+        f"{study.errands} impaired drivers, seeds {study.seed}..{study.seed + study.errands - 1}. Time: of pairs with "
+        "the unassisted arm in which both arrive. Progress: along the route, up to where the driver came, on average. "
+        f"A door is a gap in a wall, met from beside it and turned. People: {PeopleConfig().count}, who do not give "
+        "way to the chair."
+    )
+    header = ("errand\nassistant", "arrived", "contacts", "nose met a\nperson shown", "time over\nunassisted", "m/s")
+    return Table(
+        "What caution costs", header, tuple(_errands_row(result, n, a) for n in ERRANDS for a in study.arms), note
+    )
+
+
+def _errands_row(result: SafetyResult, name: str, arm: str) -> Row:
+    mine = result.errands_of(name, arm)
+    ratio, pairs = _time_ratio(result, name, arm)
+    return (
+        f"{name}\n{arm_name(arm)}",
+        share_cell(sum(one.arrived for one in mine), len(mine)),
+        str(sum(one.contacts for one in mine)),
+        str(sum(one.nose_met_seen for one in mine)),
+        NONE if isnan(ratio) else f"{ratio:.2f}\nn {pairs}",
+        mean_cell([one.progress for one in mine], 2),
+    )
+
+
+def _time_ratio(result: SafetyResult, name: str, arm: str) -> tuple[float, int]:
+    """Mean time over the rival's, of the pairs in which both arrive; their number."""
+    mine, rival = result.errands_of(name, arm), result.errands_of(name, RIVAL)
+    if not rival:
+        return nan, 0
+    both = [one.arrived and other.arrived for one, other in zip(mine, rival, strict=True)]
+    return paired_ratio([one.time for one in rival], [one.time for one in mine], both)
+
+
+def errand_aims(result: SafetyResult) -> list[Aim]:
+    """Doors are passed, the standard course takes little longer, and people are no end to getting on."""
+    found = []
+    for arm in (arm for arm in result.study.arms if arm != RIVAL):
+        for door in DOORS:
+            mine = result.errands_of(door, arm)
+            share, low, high = proportion(sum(one.arrived for one in mine), len(mine))
+            found.append(Aim.at_least(0.9, f"arrived: {arm_name(arm)}, {door}", share, 2, low=low, high=high))
+        if RIVAL not in result.study.arms:
+            continue
+        ratio, pairs = _time_ratio(result, COURSE, arm)
+        found.append(Aim.at_most(1.15, f"time over unassisted: {arm_name(arm)}, {COURSE}", ratio, 2, note=f"n {pairs}"))
+        share = _progress(result, arm) / _progress(result, RIVAL)
+        found.append(Aim.at_least(0.5, f"progress over unassisted: {arm_name(arm)}, {AMONG_PEOPLE}", share, 2))
+        for what, field in (("wall contacts", "contacts"), ("people met by the nose", "nose_met_seen")):
+            met = sum(getattr(one, field) for one in result.errands_of(AMONG_PEOPLE, arm))
+            found.append(Aim.at_most(0, f"{what}: {arm_name(arm)}, {AMONG_PEOPLE}", met, 0))
+    return found
+
+
+def _progress(result: SafetyResult, arm: str) -> float:
+    return float(np.mean([one.progress for one in result.errands_of(AMONG_PEOPLE, arm)]))
+
+
 def aims(result: SafetyResult) -> list[Aim]:
     """No collision where that is promised, nobody run into who was shown, and no standing where a free motion is asked
     for."""
@@ -151,13 +216,18 @@ def findings(result: SafetyResult) -> Findings:
         f"{STOOD}"
     )
     tables = [promised_table(result)] if promised(result.study) else []
+    sections = [Section("Hostile sticks", text, [*tables, collisions_table(result)], [])]
     reached = aims(result)
+    if result.errands:
+        sections.append(Section("Drivers who mean to arrive", "", [errands_table(result)], []))
+        reached += errand_aims(result)
     rows = [{**run.about(), **asdict(counts)} for run, counts in zip(result.runs, result.counts, strict=True)]
+    rows += [asdict(errand) for errand in result.errands]
     return Findings(
         headline=f"{_headline(result)} {reached_of(reached)}" if reached else _headline(result),
-        sections=[Section("Hostile sticks", text, [*tables, collisions_table(result)], [])],
+        sections=sections,
         rows=rows,
-        keys=("arm", "condition", "stick", "course", "seed", "seconds"),
+        keys=("arm", "condition", "stick", "course", "errand", "seed", "seconds"),
         aims=reached,
     )
 

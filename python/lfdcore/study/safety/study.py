@@ -11,6 +11,7 @@ from lfdcore.progress import StageProgress, silent
 from lfdcore.study.arms import models_by_method, require_arms, require_known
 from lfdcore.study.jobs import run_jobs
 from lfdcore.study.safety.conditions import CONDITIONS
+from lfdcore.study.safety.errands import Errand, run_errands
 from lfdcore.study.safety.hostile_run import STICKS, HostileCounts, HostileRun
 from lfdcore.study.study import Option, Study
 
@@ -39,6 +40,11 @@ class SafetyStudy(Study):
     runs: Annotated[int, Option("Of each stick in each course, each from another place.", minimum=1, maximum=10000)] = 2
     seconds: Annotated[int, Option("Of each run, or until something is touched.", minimum=10, maximum=100000)] = 300
 
+    errands: Annotated[
+        int,
+        Option("Drivers of each errand (doors, the standard course, people): what caution costs; 0: none.", minimum=0),
+    ] = 10
+
     def __post_init__(self) -> None:
         super().__post_init__()
         require_arms(self.arms)
@@ -53,6 +59,11 @@ class SafetyResult:
     study: SafetyStudy
     runs: tuple[HostileRun, ...]
     counts: tuple[HostileCounts, ...]
+    errands: tuple[Errand, ...] = ()
+
+    def errands_of(self, errand: str, arm: str) -> list[Errand]:
+        """In the order of the drivers."""
+        return [one for one in self.errands if (one.errand, one.arm) == (errand, arm)]
 
     def of(self, **about: str) -> list[HostileCounts]:
         """Of the runs that are about this: arm, condition, stick or course."""
@@ -82,4 +93,9 @@ def run_safety_study(study: SafetyStudy, folder: Path, tell: StageProgress = sil
         for k in range(study.runs)
     )
     (folder / "runs").mkdir(parents=True, exist_ok=True)
-    return SafetyResult(study, runs, run_jobs(runs, partial(tell, "drive"), study.processes))
+    counts = run_jobs(runs, partial(tell, "drive"), study.processes)
+    if study.errands == 0:
+        return SafetyResult(study, runs, counts)
+    errand = partial(tell, "errands")
+    errands = run_errands(study.arms, models, study.errands, study.seed, errand, study.processes)
+    return SafetyResult(study, runs, counts, errands)

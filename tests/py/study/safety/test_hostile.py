@@ -15,12 +15,19 @@ from lfdcore.simulated.drivers import StickHolder
 from lfdcore.simulated.hostile_drivers import AdversarialStick, HeldStick, RandomStick
 from lfdcore.simulation import DrivingWorld, joystick_to_twist
 from lfdcore.study.safety.conditions import CONDITIONS
+from lfdcore.study.safety.errands import ERRANDS
 from lfdcore.study.safety.hostile_run import somewhere
 from lfdcore.study.safety.report import findings
 from lfdcore.study.safety.study import SafetyStudy, run_safety_study
 
 SMALL = SafetyStudy(
-    conditions=("as declared",), courses=("home",), sticks=("random", "held"), runs=1, seconds=40, processes=1
+    conditions=("as declared",),
+    courses=("home",),
+    sticks=("random", "held"),
+    runs=1,
+    seconds=40,
+    processes=1,
+    errands=0,
 )
 
 
@@ -107,6 +114,22 @@ def test_the_report_says_what_was_driven_and_which_condition_promises_nothing(tm
     assert all(aim.reached for aim in found.aims)
     assert found.headline.endswith("2 of 2 reached.")
     assert len(found.rows) == 8
+
+
+def test_the_report_says_what_caution_costs(tmp_path: Path) -> None:
+    study = replace(SMALL, sticks=("held",), seconds=10, errands=1)
+    found = findings(run_safety_study(study, tmp_path, silent))
+    costs = found.tables[-1]
+    assert [row[0] for row in costs.rows[:2]] == ["door of 0.80 m\nunassisted", "door of 0.80 m\nsupervisor only"]
+    assert len(costs.rows) == 2 * len(ERRANDS)
+    assert [aim.label.split(":")[0] for aim in found.aims[2:]] == [
+        *["arrived"] * 3,
+        "time over unassisted",
+        "progress over unassisted",
+        "wall contacts",
+        "people met by the nose",
+    ]
+    assert {row["errand"] for row in found.rows if "errand" in row} == set(ERRANDS)
 
 
 def test_the_table_of_what_is_promised_is_of_all_such_conditions_together(tmp_path: Path) -> None:
