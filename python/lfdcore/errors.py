@@ -1,5 +1,5 @@
-"""Errors that are not the caller's mistake (that is ValueError): files and models that cannot be used."""
+"""Errors that are not the caller's mistake (that is ValueError): files, models and devices that cannot be used."""
 
-from lfdcore._core import DataError, ModelError
+from lfdcore._core import DataError, DeviceError, ModelError
 
-__all__ = ["DataError", "ModelError"]
+__all__ = ["DataError", "DeviceError", "ModelError"]

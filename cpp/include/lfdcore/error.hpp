@@ -17,6 +17,11 @@ struct ModelError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A device that cannot be used (missing, taken, without permission, gone, not what it should be), and what to do.
+struct DeviceError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Throws std::invalid_argument("<name> is <value> <unit>, must be finite").
 void require_finite(std::string_view name, double value, std::string_view unit);
 

@@ -8,6 +8,7 @@ PYBIND11_MODULE(_core, m) {
       "and .simulation.";
   py::register_exception<DataError>(m, "DataError", PyExc_RuntimeError);
   py::register_exception<ModelError>(m, "ModelError", PyExc_RuntimeError);
+  py::register_exception<DeviceError>(m, "DeviceError", PyExc_RuntimeError);
   auto geometry = m.def_submodule("geometry", "Planar poses, twists, paths and the chair's outline.");
   auto grid = m.def_submodule("grid", "Occupancy grids, scans, distance fields and ray casting.");
   auto simulation = m.def_submodule("simulation", "The simulated chair in its world.");

@@ -56,13 +56,13 @@ def _fail(message: str, code: int = 1) -> NoReturn:
 
 def main() -> None:
     """Runs a command: exit code 2 for wrong use, 1 for a failure with one clear line, 130 after Ctrl-C."""
-    from lfdcore.errors import DataError, ModelError
+    from lfdcore.errors import DataError, DeviceError, ModelError
 
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda got, _: sys.exit(128 + got))  # as an exception it ends workers and closes files
     try:
         app()
-    except (ValueError, DataError, ModelError) as error:
+    except (ValueError, DataError, DeviceError, ModelError) as error:
         _fail(str(error))
     except ModuleNotFoundError as missing:
         extra = EXTRAS.get((missing.name or "").split(".")[0])
