@@ -2,10 +2,10 @@
 // run is a parameter: LFDCORE_SUPERVISOR_STATES, LFDCORE_SUPERVISOR_DRIVES and LFDCORE_HELD_STICK_TICKS.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <deque>
 #include <random>
 
+#include "../count_from.hpp"
 #include "lfdcore/control/supervisor.hpp"
 
 namespace lfdcore {
@@ -15,11 +15,6 @@ using Random = std::mt19937_64;
 using Points = std::vector<Eigen::Vector2d>;
 
 constexpr double tolerance = 0.002;  // [m] between two tested poses
-
-long count_from(const char* variable, long otherwise) {
-  const char* text = std::getenv(variable);
-  return text ? std::atol(text) : otherwise;
-}
 
 double draw(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
@@ -181,7 +176,7 @@ double worst_breach(const State& state, const SupervisorResult& result, const Su
 // every point keeps its distance, accelerations, braking and speeds off by what is declared, periods .05 to .2 s
 // | count: 2000 random states, LFDCORE_SUPERVISOR_STATES
 TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_chair_within_the_errors) {
-  const long states = count_from("LFDCORE_SUPERVISOR_STATES", 2000);
+  const long states = test::count_from("LFDCORE_SUPERVISOR_STATES", 2000);
   Supervisor supervisors[] = {Supervisor({}, {}, {}, {0.05, 0.025}), Supervisor(), Supervisor({}, {}, {}, {0.2, 0.1})};
   Random random(11);
   long kept = 0, moving = 0, passed = 0, touched = 0, breaches = 0;
@@ -219,7 +214,7 @@ TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_
 // linear never faster nor the other way, on the spot never faster, |w| <= wmax |stick|
 // | count: 2000 random states, LFDCORE_SUPERVISOR_STATES
 TEST(SupervisorPromise, what_replaces_a_command_is_what_may_replace_it) {
-  const long states = count_from("LFDCORE_SUPERVISOR_STATES", 2000);
+  const long states = test::count_from("LFDCORE_SUPERVISOR_STATES", 2000);
   const MotionLimits limits;
   Supervisor supervisor;
   Random random(12);
@@ -297,7 +292,7 @@ double least_clearance_of_a_drive(Random& random, int latency, bool declared, in
 // hazard: A command acts late | requirement:
 // latency up to .3 s that is declared touches nothing | count: 4 drives, LFDCORE_SUPERVISOR_DRIVES
 TEST(SupervisorPromise, declared_latency_up_to_three_tenths_of_a_second_touches_nothing) {
-  const long drives = count_from("LFDCORE_SUPERVISOR_DRIVES", 4);
+  const long drives = test::count_from("LFDCORE_SUPERVISOR_DRIVES", 4);
   for (const int latency : {0, 5, 10, 15}) {
     Random random(21);
     for (long drive = 0; drive < drives; ++drive)
@@ -339,7 +334,7 @@ struct FusedScanner {
 // hazard: A stick is held beside furniture | requirement:
 // clearance is not used up, range noise 1 and 3 cm | count: 600 ticks, LFDCORE_HELD_STICK_TICKS
 TEST(SupervisorPromise, a_stick_held_beside_furniture_does_not_use_up_the_clearance) {
-  const long ticks = count_from("LFDCORE_HELD_STICK_TICKS", 600);
+  const long ticks = test::count_from("LFDCORE_HELD_STICK_TICKS", 600);
   Points furniture = box(1.6, 2.2, -1.5, 1.5);
   for (double x = -1.2; x < 1.6; x += 0.03) furniture.insert(furniture.end(), {{x, -0.6}, {x, 0.5}});
   const ObstaclePoints truth(path_of(furniture));
