@@ -36,6 +36,7 @@ MAY_INCLUDE = {
     "planning": {"grid"},
     "control": {"grid"},
     "simulation": {"grid"},
+    "hardware": {"grid"},
 }
 
 
