@@ -187,10 +187,10 @@ class Joystick {
     happen(Event::command_fresh);
   }
 
-  // What is not sound is not taken; the identity tells.
+  // What is not sound is not taken, nor anything while the chair moves; the identity tells.
   void calibrate(const Calibration& calibration) {
     asked_ = true;
-    if (!is_sound(calibration) || state_ == State::driving) return;
+    if (!is_sound(calibration) || !is_neutral(given())) return;
     calibration_ = calibration;
     store_ = true;
     set_fault(not_calibrated, false);

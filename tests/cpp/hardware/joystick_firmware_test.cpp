@@ -1,85 +1,14 @@
 // The firmware's own logic, on a virtual clock: what docs/joystick-link.md promises. LFDCORE_LINK_SCHEDULES says how
 // many schedules of a faulty link are run.
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <deque>
-#include <random>
 #include <set>
-#include <vector>
 
-#include "../../../firmware/joystick/joystick.hpp"
 #include "../count_from.hpp"
+#include "firmware_bench.hpp"
 
 namespace lfdcore {
 namespace joystick {
 namespace {
-
-using Random = std::mt19937_64;
-
-const Calibration usual = {
-    {{200, 512, 824, 20}, {824, 512, 200, 20}}, {{1000, 2048, 3096}, {3096, 2048, 1000}}, {100, 50, 25, 10}};
-constexpr std::uint16_t centre = 512, ahead = 824, back = 200, broken = 0;
-
-bool is_zero(const Output& output) {
-  return output.code[0] == usual.output[0].neutral && output.code[1] == usual.output[1].neutral;
-}
-
-// A chip with its stick and its clock; a byte arrives in no time.
-struct Bench {
-  Joystick chip;
-  Reading pins = {1000, {centre, centre}, {0, 0}, 0, false, false};
-  std::uint8_t sequence = 0;
-
-  explicit Bench(const Calibration* stored = &usual) : chip(stored) {}
-
-  void send(FrameType type, const std::uint8_t* payload) {
-    std::uint8_t wire[most_wire];
-    const std::size_t count = encode_frame(type, sequence++, payload, wire);
-    for (std::size_t i = 0; i < count; ++i) chip.take(wire[i], pins.now);
-  }
-  void command(std::uint32_t tick, const Axes& value) {
-    std::uint8_t payload[8];
-    Writer writer(payload);
-    writer.u32(tick);
-    writer.i16(value.forward);
-    writer.i16(value.left);
-    send(FrameType::command, payload);
-  }
-  void select(std::uint8_t profile) { send(FrameType::select_profile, &profile); }
-  void calibrate(const Calibration& calibration) {
-    std::uint8_t payload[calibration_bytes];
-    write_calibration(calibration, payload);
-    send(FrameType::set_calibration, payload);
-  }
-  // Milliseconds, with the chip's own rhythm.
-  void run(int ms) {
-    for (int i = 0; i < ms; ++i) {
-      ++pins.now;
-      chip.watch(pins.now);
-      if (pins.now % report_ms == 0) chip.look(pins);
-    }
-  }
-  // A PC that answers each report.
-  void run_answered(int ms, const Axes& value) {
-    for (int i = 0; i < ms; ++i) {
-      run(1);
-      if (pins.now % report_ms == 0) command(pins.now, value);
-    }
-  }
-  void stick(std::uint16_t forward, std::uint16_t left = centre) {
-    pins.adc[0] = forward;
-    pins.adc[1] = left;
-  }
-  // Neutral first, then the stick ahead.
-  void set_off() {
-    stick(centre);
-    run_answered(300, {});
-    stick(ahead);
-    run_answered(20, {full / 2, 0});
-    EXPECT_EQ(chip.state(), State::driving);
-  }
-};
 
 TEST(JoystickFirmware, drives_what_is_commanded_once_the_stick_was_at_neutral) {
   Bench bench;
@@ -308,24 +237,6 @@ TEST(LinkState, every_state_of_the_chip_is_visited_by_what_can_happen_to_it) {
   }
   EXPECT_EQ(visited.size(), 5u);
 }
-
-// A line that delays, loses, repeats, garbles and freezes, both ways.
-struct Line {
-  struct Byte {
-    std::uint32_t due;
-    std::uint8_t byte;
-  };
-  std::deque<Byte> bytes;
-  std::uint32_t delay = 0;
-  bool cut = false, garbage = false;
-
-  void put(const std::uint8_t* from, std::size_t count, std::uint32_t now, Random& random) {
-    for (std::size_t i = 0; i < count && !cut; ++i) {
-      const auto wrong = static_cast<std::uint8_t>(garbage && random() % 8 == 0 ? random() : 0);
-      bytes.push_back({now + delay, static_cast<std::uint8_t>(from[i] ^ wrong)});
-    }
-  }
-};
 
 // A PC that answers every report that gets through, with what it is told to.
 struct Answering {
