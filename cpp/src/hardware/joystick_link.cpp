@@ -24,14 +24,14 @@ JoystickLink::JoystickLink(std::string port, double patience)
   std::unique_lock lock(mutex_);
   if (changed_.wait_for(lock, Seconds(patience), [this] { return session_.newest().has_value(); })) return;
   const std::string why = why_no_report();
-  stopping_ = true;
-  changed_.notify_all();
   lock.unlock();
-  thread_.join();
+  close();
   throw DeviceError(why);
 }
 
-JoystickLink::~JoystickLink() {
+JoystickLink::~JoystickLink() { close(); }
+
+void JoystickLink::close() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -39,6 +39,7 @@ JoystickLink::~JoystickLink() {
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
+  lose(port_ + " was closed");
 }
 
 std::string JoystickLink::why_no_report() const {

@@ -25,6 +25,9 @@ class JoystickLink {
   JoystickLink(const JoystickLink&) = delete;
   JoystickLink& operator=(const JoystickLink&) = delete;
 
+  /// Ends the thread and lets the port go; then the state is `disconnected`.
+  void close();
+
   /// What the newest report says; nothing while there is none.
   std::optional<JoystickReading> read() const;
 

@@ -38,6 +38,15 @@ struct LinkStatistics {
   long connections = 0;  ///< begun with a report after there was none
 };
 
+namespace joystick {
+/// What is_sound asks for, as an error says it.
+constexpr const char* sound_calibration =
+    "the calibration is not sound: each axis needs its centre between both ends, 50 counts or more from each, ends "
+    "from "
+    "16 to 1007 and a dead zone of at most half of the way; each output neutral between both ends, 100 codes or more "
+    "from each, up to 4095; each profile 1 to 100 %";
+}  // namespace joystick
+
 /// Who the chip is.
 struct JoystickIdentity {
   std::uint8_t firmware = 0;
