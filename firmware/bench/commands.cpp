@@ -99,6 +99,7 @@ const char* const command_help =
   i2c dac0|dac1 present|absent|stuck [N]   absent: wires cut, its output stays; stuck: holds SDA low (until N clocks)
   dac_eeprom dac0|dac1 CODE                what it gives at its next power-up
   uart cut|join                            the serial cable
+  usb unplug|plug                          without --free: the port vanishes; plugged again, its path is the answer
   power off|on                             off: RAM and the DACs' registers are lost
   reset                                    the reset button
   brownout                                 the supply fails for a moment: a reset; RAM and DACs stay

@@ -9,7 +9,8 @@ namespace bench {
 
 extern const char* const command_help;
 
-/// Carries out a command -> its answer: "ok", "error WHY", or JSON. `run`, `send` and `trace` belong to the caller.
+/// Carries out a command -> its answer: "ok", "error WHY", or JSON. `run`, `send`, `usb` and `trace` belong to the
+/// caller.
 std::string carry_out(Bench& bench, const std::string& line);
 
 /// Words of a line, and numbers read from them. Throws std::invalid_argument, saying what is wrong.

@@ -104,7 +104,8 @@ class Session {
 
  private:
   void received(Cycles when, uint8_t byte) {
-    if (!free_) return pty_->write(byte);
+    if (pty_) return pty_->write(byte);
+    if (!free_) return;  // unplugged
     char text[8];
     std::snprintf(text, sizeof text, "uart %02x", byte);
     tell(when, text);
@@ -148,6 +149,7 @@ class Session {
   }
 
   void exchange() {
+    if (!pty_) return;
     pty_->flush();
     if (bench_.line.waiting() >= waiting_for_line) return;
     for (const char byte : pty_->read(waiting_for_line)) bench_.line.send(static_cast<uint8_t>(byte));
@@ -165,6 +167,7 @@ class Session {
     if (words.size() > 0 && words.word(0) == "trace") return trace(words);
     if (words.size() > 0 && words.word(0) == "run") return pass_time(words);
     if (words.size() > 0 && words.word(0) == "send") return send(words);
+    if (words.size() > 0 && words.word(0) == "usb") return plug(words);
     return bench::carry_out(bench_, line);
   } catch (const std::invalid_argument& error) {
     return std::string("error ") + error.what();
@@ -174,6 +177,15 @@ class Session {
     words.expect(2, "trace on|off");
     traced_ = words.choice(1, "off", "on");
     return "ok";
+  }
+
+  std::string plug(const bench::Words& words) {
+    words.expect(2, "usb unplug|plug");
+    if (free_) throw std::invalid_argument("with --free there is no port to unplug");
+    const bool plugged = words.choice(1, "unplug", "plug");
+    if (plugged && !pty_) pty_ = std::make_unique<bench::Pty>();
+    if (!plugged) pty_.reset();
+    return plugged ? "PTY " + pty_->path() : "ok";
   }
 
   void expect_free(const bench::Words& words) const {

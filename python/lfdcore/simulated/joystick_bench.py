@@ -184,7 +184,7 @@ class JoystickBench:
 
     @property
     def port(self) -> str:
-        """The path of the pseudo-terminal; "none" with `free`."""
+        """The path of the pseudo-terminal, another one after `plug_in`; "none" with `free`."""
         return self._port
 
     @property
@@ -239,6 +239,14 @@ class JoystickBench:
     def cut_cable(self, cut: bool = True) -> None:
         """Cuts the serial cable, or joins it."""
         self.command(f"uart {'cut' if cut else 'join'}")
+
+    def unplug(self) -> None:
+        """Without `free`: the PC's port vanishes, as that of a USB device. The chip stays powered."""
+        self.command("usb unplug")
+
+    def plug_in(self) -> None:
+        """Without `free`: there is a port again, whose path may be another."""
+        self._port = self.command("usb plug").removeprefix("PTY ")
 
     def set_power(self, on: bool) -> None:
         """Off: the chip's RAM and the DACs' registers are lost."""

@@ -402,6 +402,22 @@ def test_what_the_chip_says_waits_for_a_reader(echo: Path) -> None:
         os.close(fd)
 
 
+def test_an_unplugged_port_vanishes_for_its_user_and_works_again_when_opened_anew(echo: Path) -> None:
+    with JoystickBench(echo) as bench:
+        bench.wait_until_answering()
+        fd = os.open(bench.port, os.O_RDWR | os.O_NOCTTY)
+        bench.unplug()
+        assert select.select([fd], [], [], 20)[0], "a reader is woken"
+        with pytest.raises(OSError, match="Input/output error"):
+            os.write(fd, b"gone")
+        os.close(fd)
+        bench.plug_in()
+        fd = os.open(bench.port, os.O_RDWR | os.O_NOCTTY)
+        os.write(fd, b"again")
+        assert read_all(fd, 5) == b"again"
+        os.close(fd)
+
+
 def test_the_chips_time_is_never_ahead_of_the_wall(echo: Path) -> None:
     with JoystickBench(echo) as bench:
         first, begin = bench.outputs().stamp, time.monotonic()
