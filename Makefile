@@ -15,7 +15,7 @@ BUILD_WITHOUT_TESTS := --config-settings=build-dir=build/release --config-settin
 SAFETY_RUNS := 1
 SAFETY_STATES := 10000000
 SAFETY_SCHEDULES := 1000000
-SOURCES := $(shell find cpp python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc')
+SOURCES := $(shell find cpp firmware python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc' -not -path 'firmware/build/*' -not -path 'python/lfdcore/firmware/*')
 
 # an extra of pyproject.toml, and what lfdcore demo takes
 DEMO_EXTRA := $(if $(filter-out 0,$(TRAIN)),train,study)
@@ -77,7 +77,7 @@ $(VENV)/.installed-train: $(SOURCES) | $(BIN)/python
 	touch $@ $(VENV)/.installed-study
 
 $(VENV)/.installed-test: $(SOURCES) $(wildcard tests/cpp/*.cpp tests/cpp/*/*.cpp) | $(BIN)/python
-	sh tools/system-packages.sh build test
+	sh tools/system-packages.sh build test firmware
 	$(BIN)/pip install --quiet $(TORCH) '.[study,train,test]' --config-settings=build-dir=build/release --config-settings=cmake.define.LFDCORE_BUILD_TESTS=ON
 	touch $@ $(VENV)/.installed-study $(VENV)/.installed-train
 

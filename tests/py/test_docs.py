@@ -41,9 +41,7 @@ def test_the_tables_of_architecture_are_those_that_the_tool_makes() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_file_of_ours_that_a_page_names_is_there(page: Path) -> None:
-    stages = "|".join(
-        sorted(p.name for p in (ROOT / "python" / "lfdcore").iterdir() if p.is_dir() and p.name[0] != "_")
-    )
+    stages = "|".join(sorted(p.parent.name for p in (ROOT / "python" / "lfdcore").glob("[!_]*/__init__.py")))
     for path in re.findall(rf"(?<![\w/])((?:{stages})/[\w/]+(?:\.py)?)(?![\w/])", page.read_text()):
         named = ROOT / "python" / "lfdcore" / path.removesuffix(".py")
         header = ROOT / "cpp" / "include" / "lfdcore" / path
