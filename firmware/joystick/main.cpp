@@ -4,6 +4,7 @@
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>
 #include <avr/io.h>
+#include <avr/sleep.h>
 #include <avr/wdt.h>
 
 #include "joystick.hpp"
@@ -261,5 +262,6 @@ int main() {
     const Calibration* changed = joystick.to_store();
     if (changed != nullptr) store(*changed);
     write_on();
+    sleep_mode();  // until the next byte, edge or millisecond
   }
 }
