@@ -31,6 +31,7 @@ void bind_sequence(py::module_& m);
 void bind_dmp(py::module_& m);
 void bind_interaction_primitive(py::module_& m);
 void bind_kinematics(py::module_& m);
+void bind_hardware(py::module_& m);
 
 using without_gil = py::call_guard<py::gil_scoped_release>;
 

@@ -20,6 +20,7 @@ PYBIND11_MODULE(_core, m) {
   auto primitives = m.def_submodule(
       "primitives", "Movement and interaction primitives, dynamic time warping, orientations, sequences of tasks.");
   auto kinematics = m.def_submodule("kinematics", "Robots from URDF: chains, inverse kinematics, joint trajectories.");
+  auto hardware = m.def_submodule("hardware", "Devices: LIDARs that speak SCIP 2.0.");
   bind_geometry(geometry);
   bind_grid(grid);
   bind_simulation(simulation);
@@ -41,4 +42,5 @@ PYBIND11_MODULE(_core, m) {
   bind_dmp(primitives);
   bind_interaction_primitive(primitives);
   bind_kinematics(kinematics);
+  bind_hardware(hardware);
 }
