@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common.hpp"
 #include "lfdcore/hardware/scip_lidar.hpp"
 
@@ -11,6 +13,19 @@ struct ClosedWithoutGil {
     delete lidar;
   }
 };
+
+// In short waits, between which Python looks whether the user wants to interrupt it.
+std::optional<TimedScan> wait_newer(const ScipLidar& lidar, std::uint64_t sequence, double patience) {
+  constexpr double at_once = 0.1;
+  for (;; patience -= at_once) {
+    {
+      const py::gil_scoped_release released;
+      if (auto scan = lidar.wait_newer(sequence, std::min(patience, at_once))) return scan;
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!(patience > at_once)) return std::nullopt;
+  }
+}
 
 void bind_scip_lidar(py::module_& m) {
   py::class_<TimedScan>(m, "TimedScan", "A scan, when it was taken, and its number.")
@@ -46,7 +61,7 @@ void bind_scip_lidar(py::module_& m) {
       .def("close", &ScipLidar::close, without_gil(),
            "Switches the laser off and ends the thread, within about a second. The last scan stays.")
       .def("newest", &ScipLidar::newest, "The newest scan, at once; None before the first. Compare its stamp with now.")
-      .def("wait_newer", &ScipLidar::wait_newer, py::arg("sequence"), py::arg("patience"), without_gil(),
+      .def("wait_newer", &wait_newer, py::arg("sequence"), py::arg("patience"),
            "Waits for a scan with a higher sequence number, `patience` [s] at the longest -> TimedScan or None.")
       .def("statistics", &ScipLidar::statistics, "ScipStatistics until now")
       .def("fault", &ScipLidar::fault, "What is wrong and what to do; empty while it measures.")

@@ -64,10 +64,12 @@ void ScipSession::read_clock() {
   demand("TM0", "02");
   for (int i = 0; i < exchanges; ++i) {
     const double asked = host_now();
-    demand("TM1", [&](const ScipReply& reply) {
+    const bool told = ask("TM1", answer_time, [&](const ScipReply& reply) {
       clock_.exchange(parse_scip_time(reply), asked, host_now());
       return true;
     });
+    // Not once more: a late answer would be taken for the next one's, and its time for a later one.
+    if (!told) throw DeviceError(name() + ": does not tell its time");
   }
   demand("TM2", "03");
 }

@@ -6,6 +6,9 @@ import math
 import os
 import random
 import re
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -381,3 +384,59 @@ def test_other_threads_run_on_while_one_waits(device: ScipDevice, lidar: ScipLid
         time.sleep(0.001)
     waiting.join()
     assert turns > 20
+
+
+def test_a_wait_can_be_interrupted(device: ScipDevice, lidar: ScipLidar) -> None:
+    device.silent = True
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        lidar.wait_newer(10**9, PATIENCE)
+    timer.join()
+
+
+@pytest.mark.parametrize("patience", [-1.0, math.nan])
+def test_a_patience_that_cannot_be_is_an_error(lidar: ScipLidar, patience: float) -> None:
+    with pytest.raises(ValueError, match="patience is"):
+        lidar.wait_newer(10**9, patience)
+
+
+def test_a_status_of_any_bytes_is_said_in_words_that_can_be_shown(device: ScipDevice) -> None:
+    device.statuses["MD"] = "~\x7f"
+    with pytest.raises(DeviceError, match=r"does not do MD.*: no answer"):
+        ScipLidar(device.address)
+    device.statuses["MD"] = "~~"
+    with pytest.raises(DeviceError, match=r"status ~~: a status that SCIP 2.0 does not have"):
+        ScipLidar(device.address)
+
+
+def test_a_program_may_end_without_closing_it(device: ScipDevice) -> None:
+    script = "import sys; from lfdcore.hardware import ScipLidar; lidar = ScipLidar(sys.argv[1]); print(lidar.model())"
+    command = [sys.executable, "-c", script, device.address]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=PATIENCE)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "UTM-30LX\n", "")
+
+
+def test_a_program_that_was_stopped_for_a_while_goes_on_with_fresh_scans(link: PtyLink | TcpLink) -> None:
+    """All that came in meanwhile is old, and says so; the device that could not go on sending is not lost."""
+    script = (
+        "import sys, time; from lfdcore.hardware import ScipLidar; lidar = ScipLidar(sys.argv[1])\n"
+        "sequence = lidar.wait_newer(0, 30).sequence\n"
+        "print('up', flush=True)\n"
+        "sys.stdin.readline()\n"
+        "while True:\n"
+        "    newest = lidar.wait_newer(sequence, 30); sequence = newest.sequence\n"
+        "    assert newest.stamp <= time.monotonic()\n"
+        "    if time.monotonic() - newest.stamp < 0.2: break\n"
+    )
+    with ScipDevice(link, any_scan(UTM_30LX)) as device:
+        command = [sys.executable, "-c", script, device.address]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdin is not None and process.stdout is not None
+            assert process.stdout.readline() == "up\n"
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(1.5)
+            process.send_signal(signal.SIGCONT)
+            process.stdin.write("go\n")
+            process.stdin.flush()
+            assert process.wait(PATIENCE) == 0
