@@ -1,4 +1,4 @@
-"""The link to a chair's joystick, odometry from its encoders. Re-exports lfdcore._core.hardware."""
+"""The joystick's link, odometry from encoders, LIDARs. Re-exports lfdcore._core.hardware."""
 
 from lfdcore._core.hardware import (
     EncoderConfig,
@@ -8,6 +8,9 @@ from lfdcore._core.hardware import (
     JoystickLink,
     JoystickReading,
     LinkStatistics,
+    ScipLidar,
+    ScipStatistics,
+    TimedScan,
 )
 
 __all__ = [
@@ -18,4 +21,7 @@ __all__ = [
     "JoystickLink",
     "JoystickReading",
     "LinkStatistics",
+    "ScipLidar",
+    "ScipStatistics",
+    "TimedScan",
 ]

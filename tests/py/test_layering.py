@@ -11,7 +11,8 @@ from imports import imported_modules
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "lfdcore"
-FACADES = {"errors", "geometry", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics"}
+CORE = ("geometry", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics", "hardware")
+FACADES = {"errors", *CORE}
 BASE = FACADES | {"progress"}
 MAY_IMPORT = {
     **{facade: {"_core"} for facade in FACADES},

@@ -32,6 +32,7 @@ void bind_dmp(py::module_& m);
 void bind_interaction_primitive(py::module_& m);
 void bind_kinematics(py::module_& m);
 void bind_joystick(py::module_& m);
+void bind_scip(py::module_& m);
 
 using without_gil = py::call_guard<py::gil_scoped_release>;
 

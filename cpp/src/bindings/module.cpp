@@ -43,4 +43,5 @@ PYBIND11_MODULE(_core, m) {
   bind_interaction_primitive(primitives);
   bind_kinematics(kinematics);
   bind_joystick(hardware);
+  bind_scip(hardware);
 }

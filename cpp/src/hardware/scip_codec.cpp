@@ -12,11 +12,17 @@ namespace {
 constexpr std::size_t block = 64;           // characters of data in a line before its sum
 constexpr std::uint32_t highest_code = 19;  // distances up to it are codes, whatever DMIN says
 
+bool is_printable(char c) { return c >= ' ' && c <= '~'; }
+
+std::string printable(std::string_view text) {
+  std::string readable(text);
+  std::replace_if(readable.begin(), readable.end(), [](char c) { return !is_printable(c); }, '?');
+  return readable;
+}
+
 // What came in, fit for a message.
 std::string shown(std::string_view text) {
-  std::string readable;
-  for (const char c : text.substr(0, 40)) readable += c >= ' ' && c <= '~' ? c : '?';
-  return "'" + readable + (text.size() > 40 ? "...'" : "'");
+  return "'" + printable(text.substr(0, 40)) + (text.size() > 40 ? "...'" : "'");
 }
 
 // The line without its sum, which is checked.
@@ -34,7 +40,7 @@ std::pair<std::string, std::string> parse_field(std::string_view line) {
   // The documents differ on whether the semicolon counts.
   if (const char sum = line.back(); sum != scip_sum(line.substr(0, end)) && sum != scip_sum(line.substr(0, end + 1)))
     throw DataError("SCIP: the line " + shown(line) + " has a wrong sum");
-  return {std::string(line.substr(0, colon)), std::string(line.substr(colon + 1, end - colon - 1))};
+  return {printable(line.substr(0, colon)), printable(line.substr(colon + 1, end - colon - 1))};
 }
 
 int number(const std::map<std::string, std::string>& fields, const std::string& name, int low, int high) {
@@ -136,6 +142,8 @@ ScipReply parse_scip_reply(std::string_view text) {
     throw DataError("SCIP: " + shown(text) + " should be an echo, and a status of 2 characters and a sum");
   reply.echo = reply.lines[0];
   reply.status = without_sum(reply.lines[1]);
+  if (!is_printable(reply.status[0]) || !is_printable(reply.status[1]))
+    throw DataError("SCIP: the status " + shown(reply.status) + " is none");
   reply.lines.erase(reply.lines.begin(), reply.lines.begin() + 2);
   return reply;
 }

@@ -11,14 +11,17 @@ from . import control
 from . import estimation
 from . import primitives
 from . import kinematics
+from . import hardware
 
 __all__: list[str] = [
     "DataError",
+    "DeviceError",
     "ModelError",
     "control",
     "estimation",
     "geometry",
     "grid",
+    "hardware",
     "kinematics",
     "planning",
     "primitives",
@@ -29,4 +32,7 @@ class DataError(RuntimeError):
     pass
 
 class ModelError(RuntimeError):
+    pass
+
+class DeviceError(RuntimeError):
     pass
