@@ -9,7 +9,7 @@ from typing import NoReturn
 import typer
 
 from lfdcore import __version__
-from lfdcore.cli import collaborate, demo, info, learn, predict, study, track
+from lfdcore.cli import collaborate, demo, drive, info, joystick, learn, predict, study, track
 
 app = typer.Typer(
     name="lfdcore",
@@ -22,7 +22,9 @@ app.command("demo")(demo.demo)
 app.command("info")(info.info)
 app.command("predict")(predict.predict)
 app.command("track")(track.track)
+app.command("drive")(drive.drive)
 app.command("collaborate")(collaborate.collaborate)
+app.add_typer(joystick.app, name="joystick")
 app.add_typer(learn.app, name="learn")
 app.add_typer(study.app, name="study")
 

@@ -1,4 +1,4 @@
-"""A real chair in a JSON file: outline, limits, wheels, scanner. Nothing of it has a default that could be another's."""
+"""A real chair in a JSON file: outline, limits, wheels, scanner. Nothing has a default that could be another's."""
 
 from __future__ import annotations
 

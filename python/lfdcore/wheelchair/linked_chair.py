@@ -1,7 +1,8 @@
-"""A real chair: the link to its joystick, its encoders, a scanner (thesis, App. A.1). One more Chair of the drive loop."""
+"""A real chair: the link to its joystick, its encoders, a scanner (App. A.1). It is a Chair of the drive loop."""
 
 from __future__ import annotations
 
+import math
 import time
 from bisect import bisect_left
 from collections import deque
@@ -13,6 +14,8 @@ from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.scan_sources import ScanSource
 
+NOTHING_SEEN = LaserScan([math.nan], 0.0, 0.01)
+"""What a scanner that has not said anything yet has seen"""
 REMEMBERED = 2.0
 """[s] of poses, for scans that come late"""
 
@@ -43,7 +46,7 @@ class LinkedChair:
         """What stick, encoders and scanner say, at once. What has never said anything has no stamp."""
         to_loop = stamp - time.monotonic()
         self._read()
-        scan, scan_stamp = self._scans.newest() or (LaserScan(), None)
+        scan, scan_stamp = self._scans.newest() or (NOTHING_SEEN, None)
         last = self._last
         return Observation(
             stamp=stamp,
