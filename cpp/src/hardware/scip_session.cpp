@@ -61,16 +61,22 @@ void ScipSession::require_scip_2() {
 }
 
 void ScipSession::read_clock() {
+  int told = 0;
   demand("TM0", "02");
   for (int i = 0; i < exchanges; ++i) {
     const double asked = host_now();
-    const bool told = ask("TM1", answer_time, [&](const ScipReply& reply) {
-      clock_.exchange(parse_scip_time(reply), asked, host_now());
-      return true;
-    });
-    // Not once more: a late answer would be taken for the next one's, and its time for a later one.
-    if (!told) throw DeviceError(name() + ": does not tell its time");
+    if (ask("TM1", answer_time, [&](const ScipReply& reply) {
+          clock_.exchange(parse_scip_time(reply), asked, host_now());
+          return true;
+        })) {
+      ++told;
+      continue;
+    }
+    // A late answer would be taken for the next one's, its time for a later one. It comes before those to these.
+    demand("TM2", "03");
+    demand("TM0", "02");
   }
+  if (told == 0) throw DeviceError(name() + ": does not tell its time");
   demand("TM2", "03");
 }
 

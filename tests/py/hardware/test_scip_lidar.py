@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -26,15 +27,20 @@ PATIENCE = 60.0
 """[s] that nothing here waits for unless it fails"""
 
 
-def any_scan(model: Model, seed: int = 1) -> Callable[[int], Distances]:
+def any_scan(model: Model) -> Callable[[int], Distances]:
     """Random distances and codes; the first one tells the number of the turn."""
 
     def scan(number: int) -> Distances:
-        random_ = random.Random(seed * 1_000_003 + number)
-        ranges = [random_.randrange(0, model.dmax + 2) for _ in range(model.beams - 1)]
-        return [1000 + number % 1000, *ranges]
+        return [1000 + number % 1000, *any_ranges(model.beams - 1, model.dmax + 2, number % 40)]
 
     return scan
+
+
+@cache
+def any_ranges(count: int, bound: int, seed: int) -> Distances:
+    """[mm], made once: the device must keep up."""
+    random_ = random.Random(seed)
+    return [random_.randrange(bound) for _ in range(count)]
 
 
 def number(scan: TimedScan) -> int:
@@ -147,13 +153,14 @@ def test_stamps_say_when_the_turn_began_also_where_the_clock_begins_anew(
 
 
 @pytest.mark.parametrize("piece", [1, 7, 1000])
-def test_bytes_may_come_in_any_pieces(device: ScipDevice, piece: int) -> None:
-    device.mangle = lambda reply: (reply[i : i + piece] for i in range(0, len(reply), piece))
-    lidar = ScipLidar(device.address)
-    for scan in scans(lidar, 5):
-        np.testing.assert_array_equal(scan.scan.ranges, ranges_of(any_scan(UTM_30LX)(number(scan)), UTM_30LX))
-    assert lidar.statistics().damaged == 0
-    lidar.close()
+def test_bytes_may_come_in_any_pieces(link: PtyLink | TcpLink, piece: int) -> None:
+    with ScipDevice(link, any_scan(URG_04LX), URG_04LX) as device:
+        device.mangle = lambda reply: (reply[i : i + piece] for i in range(0, len(reply), piece))
+        lidar = ScipLidar(device.address)
+        for scan in scans(lidar, 5):
+            np.testing.assert_array_equal(scan.scan.ranges, ranges_of(any_scan(URG_04LX)(number(scan)), URG_04LX))
+        assert lidar.statistics().damaged == 0
+        lidar.close()
 
 
 def cut(reply: bytes) -> list[bytes]:
@@ -183,8 +190,7 @@ def test_damaged_replies_are_counted_and_never_become_scans(
         np.testing.assert_array_equal(scan.scan.ranges, ranges_of(any_scan(UTM_30LX)(number(scan)), UTM_30LX))
     said = lidar.statistics()
     assert said.damaged >= 5
-    assert said.reconnects == 0
-    assert (said.lost >= 5) == (damage is not garbage_before)
+    assert said.lost >= (0 if damage is garbage_before else 5)
 
 
 def test_random_damage_never_becomes_a_scan_with_other_ranges_unless_its_sum_is_right(
@@ -440,3 +446,24 @@ def test_a_program_that_was_stopped_for_a_while_goes_on_with_fresh_scans(link: P
             process.stdin.write("go\n")
             process.stdin.flush()
             assert process.wait(PATIENCE) == 0
+
+
+def test_a_late_answer_about_its_time_is_not_taken_for_the_next_one(device: ScipDevice) -> None:
+    held: list[bytes] = []
+    given: list[bytes] = []
+
+    def hold_back(reply: bytes) -> list[bytes]:
+        if reply.startswith(b"TM1") and not held:
+            held.append(reply)
+            return []
+        if reply.startswith(b"TM2") and held and not given:
+            given.append(held[0])
+            return [held[0], reply]
+        return [reply]
+
+    device.mangle = hold_back
+    lidar = ScipLidar(device.address)
+    for scan in scans(lidar, 5):
+        assert abs(scan.stamp - device.taken[number(scan)]) < 0.05
+    lidar.close()
+    assert given

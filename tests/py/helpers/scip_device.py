@@ -16,6 +16,7 @@ import time
 import tty
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -60,6 +61,7 @@ def field(line: str) -> str:
     return line + ";" + summed(line)[-2:]
 
 
+@lru_cache(maxsize=1 << 17)
 def encoded(value: int, characters: int) -> str:
     return "".join(chr(((value >> (6 * i)) & 0x3F) + 0x30) for i in reversed(range(characters)))
 
@@ -336,10 +338,13 @@ class ScipDevice:
         self._answer(command, "00")
 
     def _send_turn(self) -> None:
+        """The last turn that is over. Those that it was too late for are lost: it has no place for them."""
         assert self._measuring is not None
-        began = self._turns_since + self._next_turn * self.model.period
-        number = self._turn_offset + self._next_turn
-        self._next_turn += 1
+        over = int((time.monotonic() - self._turns_since) / self.model.period - 0.9)
+        turn = max(self._next_turn, over)
+        self._next_turn = turn + 1
+        began = self._turns_since + turn * self.model.period
+        number = self._turn_offset + turn
         data = "".join(encoded(distance, 3) for distance in self._scan(number))
         lines = [summed(data[i : i + 64]) for i in range(0, len(data), 64)]
         self.taken[number] = began
@@ -356,7 +361,7 @@ class ScipDevice:
         """-> whether all of it went; as of a device with a small buffer, what its host does not take is lost."""
         while data:
             file = self._link.writable()
-            if file is None or not select.select([], [file], [], 0.2)[1]:
+            if file is None or not select.select([], [file], [], 1.0)[1]:
                 return False
             try:
                 data = data[self._link.write(data) :]

@@ -49,8 +49,8 @@ class ScipReplies {
   std::size_t searched_ = 0;  // before it: no end of a reply after taken_
 };
 
-/// "NAME:value;" of each line (of the replies to VV, PP and II): value by name, both in printable ASCII. Throws DataError for a wrong sum or a
-/// line that is none.
+/// "NAME:value;" of each line (of the replies to VV, PP and II): value by name, both in printable ASCII. Throws
+/// DataError for a wrong sum or a line that is none.
 std::map<std::string, std::string> parse_scip_fields(const ScipReply& reply);
 
 /// What a device says of itself (PP). A step is 2 pi / steps_per_turn, counted counter-clockwise as seen from above.
