@@ -14,7 +14,19 @@ from made_part import ROOT, renew
 
 HEADERS, PACKAGE = ROOT / "cpp" / "include" / "lfdcore", ROOT / "python" / "lfdcore"
 CPP = ("", "grid", "simulation", "planning", "control", "estimation", "primitives", "kinematics")
-PYTHON = ("", "models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study", "cli")
+PYTHON = (
+    "",
+    "models",
+    "datasets",
+    "wheelchair",
+    "humanoid",
+    "simulated",
+    "ros",
+    "training",
+    "pictures",
+    "study",
+    "cli",
+)
 """Folders from the bottom up; '' are the files beside them. A folder that is not here is an error."""
 ABBREVIATIONS = ("App", "Sec", "Fig", "Alg", "Eq", "Ch", "cf")
 """Their full stop ends no sentence."""
