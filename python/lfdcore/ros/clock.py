@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from lfdcore.wheelchair.drive_loop import TOLERANCE
+
 STANDSTILL = 0.5
 """[s] of wall time for which a clock says the same, after which it stands still"""
 SLICE = 0.02
@@ -32,14 +34,17 @@ class RosClock:
         """Waits until `due` [s], but no longer than a period after the last time: what the clock stood still is not
         made up for -> the time then. A clock that was set back: at once, with the time that it says. One that stands
         still: after STANDSTILL, with the same time as before."""
-        due = min(due, self._last + self._period)
-        now, changed = self.time_of(self._now()), time.monotonic()
+        due = min(due, self._last + self._period) - TOLERANCE
+        now, changed = self._looked_at(), time.monotonic()
         while self._last <= now < due:
-            self._require_alive()
             if time.monotonic() - changed >= STANDSTILL:
                 return self._last
             time.sleep(min(SLICE, max(due - now, 0.001)))
-            before, now = now, self.time_of(self._now())
+            before, now = now, self._looked_at()
             changed = changed if now == before else time.monotonic()
         self._last = now
         return now
+
+    def _looked_at(self) -> float:
+        self._require_alive()
+        return self.time_of(self._now())

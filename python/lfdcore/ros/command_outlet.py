@@ -50,11 +50,11 @@ class CommandOutlet:
             self._give(twist, duration)
 
     def stop(self) -> None:
-        """Sends 0. Nothing is sent after that."""
-        self._ended.set()
+        """Sends 0. No other command is sent after that. May be called again."""
         with self._lock:
             self._send(STOP)
             self._sent = STOP
+            self._ended.set()
 
     def _give(self, twist: Twist2, duration: float) -> None:
         self._send(twist)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
@@ -24,8 +25,8 @@ from lfdcore.wheelchair.drive_loop import Tick, drive
 from lfdcore.wheelchair.observation import ChairGeometry
 
 NAME = "lfdcore"
-COMPLAINS_EVERY = 5.0
-"""[s] between two equal complaints"""
+COMPLAINS_EVERY = 2.0
+"""[s] between two complaints"""
 
 
 def require_ros() -> None:
@@ -124,22 +125,36 @@ class _Parts:
         display = Display(self._node, frames.odometry)
         self._node.get_logger().info(f"{assistant.name} drives; scanner at {mounting}")
 
-        def until(tick: Tick) -> bool:
-            display.show(tick)
-            return False
-
         clock = RosClock(self._now, geometry.period, self._spinning.require_alive)
         outlet = CommandOutlet(self._commands.send, self._now, lambda: bool(self._node.get_clock().ros_time_is_active))
         with ExitStack() as stack:
             log = None if record is None else stack.enter_context(_log(record, geometry, assistant))
             stack.callback(self._commands.flush)
-            drive(RosChair(geometry, self._senses, outlet, clock), assistant, until, clock=clock, log=log)
+            stack.callback(outlet.stop)  # again: a signal may have come while the loop stopped the chair
+            chair = RosChair(geometry, self._senses, outlet, clock)
+            drive(chair, assistant, _Shown(display, self._commands, self._complain), clock=clock, log=log)
 
     def _now(self) -> int:
         return int(self._node.get_clock().now().nanoseconds)
 
     def _complain(self, text: str) -> None:
         self._node.get_logger().error(text, throttle_duration_sec=COMPLAINS_EVERY)
+
+
+class _Shown:
+    """Called after each tick, none of which is the last: shows it, and says what is wrong with the commands' topic."""
+
+    def __init__(self, display: Display, commands: Commands, complain: Callable[[str], None]) -> None:
+        self._display, self._commands, self._complain = display, commands, complain
+        self._looked = -math.inf
+
+    def __call__(self, tick: Tick) -> bool:
+        self._display.show(tick)
+        if tick.stamp - self._looked >= COMPLAINS_EVERY or tick.stamp < self._looked:
+            self._looked = tick.stamp
+            for problem in self._commands.problems():
+                self._complain(problem)
+        return False
 
 
 def _log(path: Path, geometry: ChairGeometry, assistant: Assistant) -> Any:

@@ -14,6 +14,8 @@ from lfdcore.ros.topics import Commands, Inputs
 
 LOOKED_EVERY = 0.05
 """[s] of wall time"""
+SETTLED = 3.5
+"""[s] of wall time for which nothing may be wrong: DDS participants announce themselves every 3 s"""
 WARNED_EVERY = 1.0
 """[s] of wall time"""
 OLDEST = 1.0
@@ -30,16 +32,17 @@ class Startup:
         self._inputs, self._commands, self._statics = inputs, commands, statics
 
     def wait(self) -> tuple[Frames, Mounting]:
-        """-> the frames of this robot and how its scanner is mounted. ValueError that says all that is wrong, once the
-        options' wait is over."""
-        begin = warned = time.monotonic()
-        while problems := self._problems():
-            now, said = time.monotonic(), "; ".join(problems)
-            if now - begin >= self._options.wait:
-                raise ValueError(f"after {self._options.wait:g} s: {said}")
-            if now - warned >= WARNED_EVERY:
+        """-> the frames of this robot and how its scanner is mounted, once nothing was wrong for SETTLED.
+        ValueError that says all that is wrong, once the options' wait is over."""
+        begin = warned = wrong = time.monotonic()
+        while (now := time.monotonic()) - wrong < SETTLED:
+            problems = self._problems()
+            wrong = now if problems else wrong
+            if problems and now - begin >= self._options.wait:
+                raise ValueError(f"after {self._options.wait:g} s: {'; '.join(problems)}")
+            if problems and now - warned >= WARNED_EVERY:
                 warned = now
-                self._node.get_logger().warning(f"waiting: {said}")
+                self._node.get_logger().warning(f"waiting: {'; '.join(problems)}")
             time.sleep(LOOKED_EVERY)
         return self._frames(), self._mounting()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 from lfdcore.geometry import Twist2
@@ -66,12 +67,16 @@ class Commands:
         """Waits until the receivers have what was sent last, but not for long."""
         from rclpy.duration import Duration
 
-        self._publisher.wait_for_all_acked(Duration(seconds=self.ACKNOWLEDGED_WITHIN))
+        with suppress(RuntimeError):  # it is sent; not every middleware says whether it arrived
+            self._publisher.wait_for_all_acked(Duration(seconds=self.ACKNOWLEDGED_WITHIN))
 
     def problems(self) -> list[str]:
         """Why commands would not arrive, or not alone."""
         topic, mine = self._publisher.topic_name, _type_name(self._publisher.msg_type)
-        other = {one.topic_type for one in self._node.get_subscriptions_info_by_topic(topic)} - {mine}
+        listening = {one.topic_type for one in self._node.get_subscriptions_info_by_topic(topic)}
+        if not listening:
+            return [f"nobody listens on {topic}"]
+        other = listening - {mine}
         found = [f"{topic} is listened to as {kind}, but commands are {mine} (see --stamped)" for kind in sorted(other)]
         rivals = [_full_name(one) for one in self._node.get_publishers_info_by_topic(topic)]
         if self._node.get_fully_qualified_name() in rivals:

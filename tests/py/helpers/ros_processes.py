@@ -29,25 +29,41 @@ DOMAINS = range(1, 101)
 """Those whose ports are nobody else's, on Linux"""
 
 
-def free_domain() -> int:
-    """One in which no process of this machine speaks: nobody holds the port on which its members find each other."""
+def reserve_domain() -> tuple[int, socket.socket]:
+    """One in which no process of this machine speaks, and what keeps it so until it is closed.
+
+    A domain's first process holds its port 10. Port 0 is for multicast, which nobody uses who speaks to his own machine
+    alone: who reserves holds that (DDS-RTPS 9.6.1.1).
+    """
     for domain in random.sample(DOMAINS, len(DOMAINS)):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
-            try:
-                port.bind(("", 7400 + 250 * domain))
-            except OSError:
-                continue
-            return domain
+        reserved = _hold(7400 + 250 * domain)
+        if reserved is None:
+            continue
+        first = _hold(7410 + 250 * domain)
+        if first is not None:
+            first.close()
+            return domain, reserved
+        reserved.close()
     raise AssertionError("processes of this machine speak in all domains of ROS")
 
 
-def environment() -> dict[str, str]:
-    """Of ROS processes: a domain of their own, on this machine alone, with lfdcore and what it needs from here."""
+def _hold(port: int) -> socket.socket | None:
+    held = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        held.bind(("", port))
+    except OSError:
+        held.close()
+        return None
+    return held
+
+
+def environment(domain: int) -> dict[str, str]:
+    """Of ROS processes: on this machine alone, with lfdcore and what it needs from here."""
     paths = [str(Path(lfdcore.__file__).parents[1]), sysconfig.get_path("purelib"), str(HERE.parent / "helpers")]
     return os.environ | {
         "PYTHONPATH": os.pathsep.join(paths),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(free_domain()),
+        "ROS_DOMAIN_ID": str(domain),
         "COLUMNS": "200",
     }
 
@@ -110,9 +126,14 @@ class RobotProcess(Process):
     """simulated_robot.py. Its events are dictionaries, with `at`: time.monotonic() [s], which processes share."""
 
     def __init__(self, python: str, *options: str) -> None:
-        self.python, self.environ = python, environment()
+        domain, self._reserved = reserve_domain()
+        self.python, self.environ = python, environment(domain)
         super().__init__([python, str(HERE / "simulated_robot.py"), *options], self.environ)
         self.wait_for("pose")
+
+    def __exit__(self, *how: object) -> None:
+        super().__exit__(*how)
+        self._reserved.close()
 
     def tell(self, line: str) -> float:
         """-> the time at which the robot did as told."""
@@ -126,10 +147,14 @@ class RobotProcess(Process):
         self, key: str, is_it: Callable[[Any], bool] = lambda _: True, *, after: float = 0, since: int = 0
     ) -> Event:
         """The first event after the time `after` that has `key` with a value of which `is_it` says so."""
+        return self.wait_for_any({key: is_it}, after, since)
+
+    def wait_for_any(self, wanted: dict[str, Callable[[Any], bool]], after: float, since: int = 0) -> Event:
+        """The first event after the time `after` that has a key of `wanted` with a value of which that says so."""
 
         def matches(line: str) -> bool:
             event = _event(line)
-            return key in event and event["at"] > after and is_it(event[key])
+            return bool(event) and event["at"] > after and any(k in event and wanted[k](event[k]) for k in wanted)
 
         return _event(self.wait_for_line(matches, since))
 
