@@ -25,9 +25,9 @@ class Failing(Supervised):
 
 
 def fail() -> None:
+    print(sys.argv[1], flush=True)
     if sys.argv[1] == "breaks":
         raise RuntimeError("broken on purpose")
-    print("hangs", flush=True)
     time.sleep(2)
     print("goes on", flush=True)
 
