@@ -37,7 +37,9 @@ def latencies(bench: JoystickBench) -> np.ndarray:
         before = bench.outputs().stamp
         bench.set_stick(AHEAD, CENTRE)
         time.sleep(0.06)
-        given = [event.stamp for event in bench.take_events() if event.what == "dac0" and float(event.value) >= NEARLY_FULL]
+        given = [
+            event.stamp for event in bench.take_events() if event.what == "dac0" and float(event.value) >= NEARLY_FULL
+        ]
         assert given, "the DAC did not get full output within 60 ms"
         found.append(given[0] - before)
     return np.array(found)

@@ -14,7 +14,19 @@ from made_part import ROOT, renew
 
 HEADERS, PACKAGE = ROOT / "cpp" / "include" / "lfdcore", ROOT / "python" / "lfdcore"
 CPP = ("", "grid", "simulation", "hardware", "planning", "control", "estimation", "primitives", "kinematics")
-PYTHON = ("", "models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study", "cli")
+PYTHON = (
+    "",
+    "models",
+    "datasets",
+    "wheelchair",
+    "humanoid",
+    "simulated",
+    "ros",
+    "training",
+    "pictures",
+    "study",
+    "cli",
+)
 """Folders from the bottom up; '' are the files beside them. A folder that is not here is an error."""
 ABBREVIATIONS = ("App", "Sec", "Fig", "Alg", "Eq", "Ch", "cf")
 """Their full stop ends no sentence."""
@@ -55,7 +67,7 @@ def in_order(base: Path, folders: Iterable[str], suffix: str) -> list[Path]:
     A package with nothing but its __init__ is listed as that.
     """
     known = {folder for folder in folders if folder}
-    there = {p.name for p in base.iterdir() if p.is_dir() and not p.name.startswith("_")}
+    there = {p.parent.name for p in base.glob(f"*/*{suffix}") if not p.parent.name.startswith("_")}
     if there != known:
         raise ValueError(f"folders in {base.relative_to(ROOT)} are {sorted(there)}, named are {sorted(known)}")
     files = []

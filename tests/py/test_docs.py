@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import my_robot
 from lfdcore.simulated.courses import home
 from lfdcore.simulated.drivers import ExpertDriver
 from lfdcore.simulated.run import run_drive
@@ -72,3 +73,13 @@ def test_the_code_of_bring_your_own_log_runs(tmp_path: Path, monkeypatch: pytest
     exec(code.replace(opened, 'open_log("drive.mcap")'), names)
     assert (tmp_path / "mine.safetensors").exists()
     assert getattr(names["path"], "shape", None) == (26, 2)
+
+
+def test_the_loop_without_ros_runs_and_moves_a_chair() -> None:
+    text = (ROOT / "docs" / "on-your-robot.md").read_text()
+    code = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)[0]
+    assert len([line for line in code.split("\n") if line and "import" not in line]) <= 32
+    names: dict[str, object] = {}
+    exec(code, names)
+    assert my_robot.way() > 0.3
+    assert my_robot.given[-1] == (0.0, 0.0)

@@ -22,10 +22,11 @@ MAY_IMPORT = {
     "wheelchair": BASE | {"datasets"},
     "humanoid": BASE | {"datasets"},
     "simulated": BASE | {"datasets", "wheelchair", "humanoid"},
+    "ros": BASE | {"datasets", "wheelchair"},
     "training": BASE | {"datasets", "wheelchair", "humanoid"},
     "pictures": BASE | {"datasets", "wheelchair", "humanoid", "simulated", "training"},
     "study": BASE | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures"},
-    "cli": BASE | {"models", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
+    "cli": BASE | {"models", "ros", "datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"},
     "__main__": {"cli"},
 }
 VOCABULARY = {"error", "geometry", "path", "motion", "row_matrix"}
@@ -74,7 +75,9 @@ def floors(of: str) -> dict[str, int]:
     return {room: floor(room) for room in below}
 
 
-@pytest.mark.parametrize("of", ["datasets", "wheelchair", "humanoid", "simulated", "training", "pictures", "study"])
+@pytest.mark.parametrize(
+    "of", ["datasets", "wheelchair", "humanoid", "simulated", "ros", "training", "pictures", "study"]
+)
 def test_a_stage_has_no_circles_and_few_floors(of: str) -> None:
     assert max(floors(of).values()) <= (5 if of in ("wheelchair", "study") else 6), floors(of)
 
@@ -122,6 +125,22 @@ def test_importing_lfdcore_needs_neither_scipy_nor_matplotlib_nor_torch() -> Non
     code = f"import sys, lfdcore, {facades}; print(sorted({heavy} & set(sys.modules)))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
+
+
+def test_no_module_needs_ros_until_a_node_is_made() -> None:
+    names = [
+        ".".join(("lfdcore", *p.relative_to(PACKAGE).with_suffix("").parts)) for p in modules() if "ros" in p.parts
+    ]
+    ros = {"rclpy", "sensor_msgs", "nav_msgs", "geometry_msgs", "std_msgs", "tf2_msgs"}
+    code = f"import sys, lfdcore.cli.main, {', '.join(names)}; print(sorted({ros} & set(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_only_the_node_imports_ros() -> None:
+    for path in modules():
+        if stage(path) != "ros":
+            assert not imported_modules(path) & {"rclpy", "sensor_msgs.msg", "geometry_msgs.msg"}, path
 
 
 @pytest.mark.parametrize("stage", ["wheelchair", "humanoid", "simulated", "pictures", "study"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ from lfdcore.study.preset import Preset
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.progress import Progress, TaskID
+
+    from lfdcore.geometry import Footprint, Pose2
 
 
 _LONGEST = 10
@@ -103,6 +106,38 @@ def save_picture(figure: Figure, path: Path) -> None:
     typer.echo(f"picture: {path}", err=True)
 
 
+LARGEST = 100.0
+"""[m] that a robot may measure in any direction"""
+
+
+def footprint_of(text: str) -> Footprint:
+    """What --footprint says."""
+    from lfdcore.geometry import Footprint
+
+    front, rear, half_width = _three_numbers("--footprint", text, "FRONT,REAR,HALF_WIDTH in metres")
+    if not all(0 < size <= LARGEST for size in (front, rear, half_width)):
+        raise typer.BadParameter(f"--footprint {text!r} must lie in (0, {LARGEST:g}] m")
+    return Footprint(front, rear, half_width)
+
+
+def pose_of(option: str, text: str) -> Pose2:
+    """What an option says as X,Y,YAW in metres and degrees."""
+    from lfdcore.geometry import Pose2
+
+    x, y, yaw = _three_numbers(option, text, "X,Y,YAW in metres and degrees")
+    if not all(map(math.isfinite, (x, y, yaw))):
+        raise typer.BadParameter(f"{option} {text!r} must be finite")
+    return Pose2(x, y, math.radians(yaw))
+
+
+def _three_numbers(option: str, text: str, meaning: str) -> tuple[float, float, float]:
+    try:
+        first, second, third = (float(word) for word in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text!r} must be {meaning}") from None
+    return first, second, third
+
+
 def require_each_once(files: list[Path]) -> None:
     """A log taken twice would make its figures look surer than they are. Files under two names are found too."""
     taken: dict[Path, Path] = {}
@@ -134,8 +169,8 @@ class Stages:
         self._tasks[stage] = self._bar.add_task(stage, total=None)
 
 
-def require_writable(output: Path, inputs: list[Path]) -> None:
-    """Before minutes of learning. The model replaces what stands at `output`: never a file that it learns from, a
+def require_writable(output: Path, inputs: list[Path], option: str = "--output") -> None:
+    """Before minutes of work. What is made replaces what stands at `output`: never a file that it is made from, a
     folder or a device."""
     folder = output.parent
     if not folder.is_dir():
@@ -147,4 +182,4 @@ def require_writable(output: Path, inputs: list[Path]) -> None:
     if not output.is_file():
         raise ValueError(f"{output}: exists and is no regular file, so nothing is written there")
     if any(one.exists() and output.samefile(one) for one in inputs):
-        raise typer.BadParameter(f"--output {output} is one of the logs to learn from")
+        raise typer.BadParameter(f"{option} {output} is read, so nothing is written there")

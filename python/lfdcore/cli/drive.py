@@ -47,7 +47,7 @@ def drive(
     from lfdcore.wheelchair.named_assistant import assistant_maker
 
     if record is not None:
-        require_writable(record, [Path(assistant)])
+        require_writable(record, [Path(assistant)], "--record")
     make_assistant = assistant_maker(assistant)
     with ExitStack() as stack:
         chair, link, tell = _connected(stack, port, scan, chair_file, course, seed)

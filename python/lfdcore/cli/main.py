@@ -9,7 +9,7 @@ from typing import NoReturn
 import typer
 
 from lfdcore import __version__
-from lfdcore.cli import collaborate, demo, drive, info, joystick, learn, predict, study, track
+from lfdcore.cli import collaborate, demo, drive, info, joystick, learn, node, predict, study, track
 
 app = typer.Typer(
     name="lfdcore",
@@ -21,6 +21,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.command("info")(info.info)
 app.command("predict")(predict.predict)
+app.command("node", cls=node.NodeCommand)(node.node)
 app.command("track")(track.track)
 app.command("drive")(drive.drive)
 app.command("collaborate")(collaborate.collaborate)

@@ -14,6 +14,7 @@ from lfdcore.cli.common import (
     PresetOption,
     SeedOption,
     Stages,
+    footprint_of,
     print_json,
     progress_bar,
     require_drawable,
@@ -30,10 +31,6 @@ if TYPE_CHECKING:
     from lfdcore.study.prediction.study import LogPrediction
     from lfdcore.wheelchair.method import MethodModel, Predictor
     from lfdcore.wheelchair.stick import StickMeaning
-
-
-LARGEST = 100.0
-"""[m] that a robot in the picture may measure in any direction"""
 
 
 class Rule(StrEnum):
@@ -89,7 +86,7 @@ def predict(
         raise typer.BadParameter(f"--from {begin} must be less than --to {end}")
     require_drawable("--picture", picture)
     require_drawable("--concatenated", concatenated)
-    outline = _footprint(footprint)
+    outline = footprint_of(footprint)
     model_files, log_files = _models_and_logs(files)
     models = _load(model_files)
     predictors = _predictors(model_files, models, rule, preset)
@@ -196,18 +193,6 @@ def _figures(comparison: Comparison) -> dict[str, dict[str, list[float]]]:
     figures = ("reward", "rank", "near", "whole", "at_equal_length", "without_path", "seconds")
     methods = comparison.runs[0].methods
     return {method: {name: comparison.column(method, name).tolist() for name in figures} for method in methods}
-
-
-def _footprint(text: str) -> Footprint:
-    from lfdcore.geometry import Footprint
-
-    try:
-        front, rear, half_width = (float(part) for part in text.split(","))
-    except ValueError:
-        raise typer.BadParameter(f"--footprint {text!r} must be FRONT,REAR,HALF_WIDTH in metres") from None
-    if not all(0 < size <= LARGEST for size in (front, rear, half_width)):
-        raise typer.BadParameter(f"--footprint {text!r} must lie in (0, {LARGEST:g}] m")
-    return Footprint(front, rear, half_width)
 
 
 def _models_and_logs(files: list[Path]) -> tuple[list[Path], list[Path]]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lfdcore.cli.common import JsonOption, Stages, print_json, progress_bar, require_drawable, save_picture
+from lfdcore.cli.common import JsonOption, Stages, pose_of, print_json, progress_bar, require_drawable, save_picture
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
@@ -120,13 +119,7 @@ def _start(model: GoalModel, text: str | None) -> Pose2:
         x, y, yaw = model.samples.pose[first].T
         turned = np.arctan2(np.median(np.sin(yaw)), np.median(np.cos(yaw)))  # yaws about +-180 degrees have a mean too
         return Pose2(float(np.median(x)), float(np.median(y)), float(turned))
-    try:
-        x, y, yaw = (float(word) for word in text.split(","))
-    except ValueError:
-        raise typer.BadParameter(f"--start {text!r} must be X,Y,YAW in metres and degrees") from None
-    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
-        raise typer.BadParameter(f"--start {text!r} must be finite")
-    return Pose2(x, y, float(np.radians(yaw)))
+    return pose_of("--start", text)
 
 
 def _draw(
