@@ -17,9 +17,10 @@ constexpr double smallest_side = 10;  // [m] of the square
 // - it is this near, and goes on by so many times its distance from the point more (walls are seen at 3.8 degrees), or
 // - so does one on the point's other side, with no more than this gap between the two.
 constexpr double passing_errors = 3;
-constexpr double beam_radius = 0.01;  // [m]
+constexpr double beam_radius = 0.004;  // [m] less than the hits of one point lie apart
 constexpr double passing_slope = 15;
 constexpr double passing_gap = 0.03;        // [m]
+constexpr double beside_end = 0.25;         // [m] so near, the next beam shows that a surface ends at the point
 constexpr std::int32_t misses_to_drop = 3;  // scans, at most; a doubtful point goes at the first
 
 constexpr double recent = 3;           // [s] how long before a person stepped in the space was seen empty
@@ -257,13 +258,24 @@ bool RollingMap::seen_through(const FusedPoint& point, const LaserScan& scan, co
   return false;
 }
 
+// Whether the beam on the point's other side than beam i hit something beside the point: then i passes the end of a
+// surface.
+bool RollingMap::ends_at(const Passing& passing, std::size_t i, double left) const {
+  const auto ends = [&](const Ray& ray) {
+    const double along = passing.dx * ray.dx + passing.dy * ray.dy, its = passing.dx * ray.dy - passing.dy * ray.dx;
+    const double x = ray.length * ray.dx - passing.dx, y = ray.length * ray.dy - passing.dy;
+    return ray.hit && its * left < 0 && ray.length <= along + passing.noise && std::hypot(x, y) <= beside_end;
+  };
+  return (i > 0 && ends(rays_[i - 1])) || (i + 1 < rays_.size() && ends(rays_[i + 1]));
+}
+
 bool RollingMap::any_through(Passing& passing, std::size_t from, std::size_t to) const {
   for (std::size_t i = from; i < to; ++i) {
     const Ray& ray = rays_[i];
     const double along = passing.dx * ray.dx + passing.dy * ray.dy, left = passing.dx * ray.dy - passing.dy * ray.dx;
     const double beyond = ray.length - along - passing.noise, beside = std::abs(left);
     if (along < 0 || beyond <= 0) continue;
-    if (beside <= beam_radius && beyond > passing_slope * beside) return true;
+    if (beside <= beam_radius && beyond > passing_slope * beside && !ends_at(passing, i, left)) return true;
     double& nearest = left > 0 ? passing.left : passing.right;
     nearest = std::min(nearest, beside);
     if (passing.left + passing.right <= passing_gap) return true;

@@ -160,7 +160,7 @@ TEST_F(JoystickLinkTest, a_cable_pulled_out_and_put_back_is_found_again) {
     if (n == 0) files = open_files();
   }
   EXPECT_EQ(open_files(), files);
-  EXPECT_EQ(link.statistics().connections, cycles + 1);
+  EXPECT_GE(link.statistics().connections, cycles + 1);
   std::printf("%ld cycles, the slowest recovery took %.3f s\n", cycles, slowest);
   set_off(*chip, link);
 }
