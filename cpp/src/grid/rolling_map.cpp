@@ -21,7 +21,8 @@ constexpr double beam_radius = 0.004;  // [m] less than the hits of one point li
 constexpr double passing_slope = 15;
 constexpr double passing_gap = 0.03;        // [m]
 constexpr double beside_end = 0.25;         // [m] so near, the next beam shows that a surface ends at the point
-constexpr std::int32_t misses_to_drop = 3;  // scans, at most; a doubtful point goes at the first
+constexpr std::int32_t misses_to_drop = 3;  // scans; what may be noise goes at the first
+constexpr double farthest_noise = 5;        // [sd of a range] from a surer point
 
 constexpr double recent = 3;           // [s] how long before a person stepped in the space was seen empty
 constexpr double settling = 3;         // [s] of hits, after which it is as good as furniture
@@ -213,8 +214,14 @@ void RollingMap::drop_stale(const LaserScan& scan, const Pose2& T_odom_laser) {
     if (point.scan == last_scan_) return false;
     if (point.scan < oldest || (point.young && now - point.seen > fading)) return true;
     if (!is_gone(point, scan, T_odom_laser)) return false;
-    return point.hits <= FusedPoints::doubtful_hits || ++point.misses >= misses_to_drop;
+    return is_noise(point) || ++point.misses >= misses_to_drop;
   });
+}
+
+// One or two hits, and a surer point near.
+bool RollingMap::is_noise(const FusedPoint& point) const {
+  const auto sure = [](const FusedPoint& other) { return other.hits > FusedPoints::doubtful_hits; };
+  return !sure(point) && points_.any_near(point.x, point.y, farthest_noise * config_.range_noise, sure);
 }
 
 // Beams go on behind it. Where it may lie elsewhere by now, because odometry was wrong, it was hit there, or they go on

@@ -32,8 +32,9 @@ void validate(const RollingMapConfig& config);
 /// - when beams go on behind it, by more than 3 standard errors: one that passes within 0.004 m of it and goes on by 15
 ///   times that distance more (a wall under a grazing beam does the same), while the beam on its other side hits
 ///   nothing within 0.25 m of it (else a surface ends there), or two on both sides of it, at most 0.03 m
-///   apart. Once for a point of 1 or 2 hits, in 3 scans without a hit between for others. Where the odometry's error
-///   may have moved it by more than 0.015 m, it must have been hit there, or beams go on behind the other places too;
+///   apart. Once for a point of 1 or 2 hits within 5 standard deviations of a surer one (noise), in 3 scans without a
+///   hit between for others. Where the odometry's error may have moved it by more than 0.015 m, it must have been hit
+///   there, or beams go on behind the other places too;
 /// - 3 s after its last hit, if it is young: if it stands where beams had passed, surely and densely, all around within
 ///   the last 3 s, and no point that has stood for 1 s lies within 0.06 m (less than 1 s, where the odometry's error
 ///   would make a thing that stands there walk). So a person who walks out of view is
@@ -120,6 +121,7 @@ class RollingMap {
   bool is_young(const FusedPoint& point, double walked) const;
   void mark_free(const Pose2& T_odom_laser);
   void drop_stale(const LaserScan& scan, const Pose2& T_odom_laser);
+  bool is_noise(const FusedPoint& point) const;
   bool is_gone(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser);
   bool seen_through(const FusedPoint& point, const LaserScan& scan, const Pose2& T_odom_laser) const;
   bool ends_at(const Passing& passing, std::size_t i, double left) const;
