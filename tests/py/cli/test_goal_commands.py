@@ -131,7 +131,7 @@ def test_learn_goals_refuses_before_minutes_of_work(folder, monkeypatch, capsys,
     for words, code, said in (
         ([drive, drive, "--goals", goals, "-o", there], 2, "is given twice"),
         ([drive, "--goals", goals, "-o", tmp_path / "no" / "m.safetensors"], 1, "there is no folder"),
-        ([drive, "--goals", goals, "-o", goals], 2, "is one of the logs"),
+        ([drive, "--goals", goals, "-o", goals], 2, "is read, so nothing is written there"),
         ([drive, "--goals", outside, "-o", there], 1, "goal 'far' is at (99, 0) m, outside the map"),
         ([drive, "--goals", tmp_path / "none.yaml", "-o", there], 1, "none.yaml: No such file"),
         ([drive, "--goals", goals, "-o", there], 1, "no drive goes to goal 2 of 3"),

@@ -23,8 +23,8 @@ NEUTRAL = (2048, 2048)
 ENDS = (200, 512, 824, 20, 200, 512, 824, 20, 1000, 2048, 3096, 1000, 2048, 3096, 100, 50, 25, 10)
 CENTRE, AHEAD = 512 / 1023 * 5, 824 / 1023 * 5
 LIMIT, ACCURACY = 0.100 + 0.002, 0.070
-"""[s] after the report that was answered last: 100 ms, a turn of the chip's loop and a write to the DAC; and by how much
-the chip's clock, which begins after a reset of 66 ms, is behind the bench's, at most"""
+"""[s] after the report that was answered last: 100 ms, a turn of the loop and a write to the DAC; and by how much
+the chip's clock, which begins after a reset of 66 ms, is behind the bench's"""
 
 
 class Chip:

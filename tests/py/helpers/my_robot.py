@@ -25,13 +25,13 @@ class _Ahead:
 
 
 _chair = SimulatedChair(hall(), _Ahead(), 1, ChairConfig(), LidarConfig())
-_began = time.monotonic()
 _seen: list[tuple[float, Observation]] = []
 
 
 def scan() -> tuple[list[float], float]:
     now = time.monotonic()
-    _seen.append((now, _chair.observe(now - _began)))
+    began = _seen[0][0] if _seen else now
+    _seen.append((now, _chair.observe(now - began)))
     return _seen[-1][1].scan.ranges.tolist(), now
 
 

@@ -1,0 +1,128 @@
+"""The real chair's file, and the manual button; the link itself is tested on the simulated chip."""
+
+import copy
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2
+from lfdcore.hardware import EncoderConfig, EncoderOdometry
+from lfdcore.wheelchair.chair_file import read_chair_file
+from lfdcore.wheelchair.manual_override import ManualOverride
+from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
+
+PAGE = Path(__file__).parents[3] / "docs" / "on-your-robot.md"
+TOLD: dict[str, Any] = json.loads(re.findall(r"```json\n(.*?)```", PAGE.read_text(), flags=re.DOTALL)[0])
+
+
+def written(folder: Path, told: object) -> Path:
+    path = folder / "chair.json"
+    path.write_text(json.dumps(told))
+    return path
+
+
+def test_the_file_of_the_page_is_the_thesiss_chair(tmp_path: Path) -> None:
+    told = read_chair_file(written(tmp_path, TOLD))
+    assert told.geometry(0.025) == ChairGeometry.thesis(Pose2(0.7, 0.0, 0.0))
+    assert told.wheels.track == 0.56
+
+
+@pytest.mark.parametrize("part", sorted(TOLD))
+def test_nothing_that_is_missing_is_assumed(part: str, tmp_path: Path) -> None:
+    for name in TOLD[part]:
+        told = copy.deepcopy(TOLD)
+        del told[part][name]
+        with pytest.raises(DataError, match=f"{part} lacks {name}"):
+            read_chair_file(written(tmp_path, told))
+    told = {key: value for key, value in TOLD.items() if key != part}
+    with pytest.raises(DataError, match=f"lacks {part}"):
+        read_chair_file(written(tmp_path, told))
+
+
+@pytest.mark.parametrize("value", ["1", None, True, math.nan, [1]])
+def test_what_is_no_number_is_named(value: object, tmp_path: Path) -> None:
+    told = copy.deepcopy(TOLD)
+    told["wheels"]["track"] = value
+    with pytest.raises(DataError, match=r"wheels\.track"):
+        read_chair_file(written(tmp_path, told))
+
+
+def test_a_name_too_many_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="colour"):
+        read_chair_file(written(tmp_path, {**TOLD, "colour": "red"}))
+
+
+WHEELS = EncoderConfig(left_radius=0.2, right_radius=0.2, track=0.5, edges_per_turn=1000)
+EDGE = 2 * math.pi * 0.2 / 1000
+
+
+def test_odometry_of_a_quarter_turn_on_the_spot_and_a_metre_ahead() -> None:
+    odometry = EncoderOdometry(WHEELS)
+    odometry.update(0.0, 0, 0)
+    quarter = math.pi / 2 * 0.5 / 2 / EDGE
+    metre = 1 / EDGE
+    odometry.update(1.0, -round(quarter), round(quarter))
+    odometry.update(2.0, -round(quarter) + round(metre), round(quarter) + round(metre))
+    assert odometry.pose.yaw == pytest.approx(math.pi / 2, abs=3e-3)
+    assert (odometry.pose.x, odometry.pose.y) == pytest.approx((0.0, 1.0), abs=4e-3)
+    assert odometry.twist.linear == pytest.approx(1.0, abs=2e-3)
+
+
+def test_counts_that_wrap_around_are_no_jump() -> None:
+    odometry = EncoderOdometry(WHEELS)
+    odometry.update(0.0, 2**31 - 5, -(2**31) + 5)
+    odometry.update(0.2, -(2**31) + 4, 2**31 - 4)
+    assert odometry.pose.yaw == pytest.approx(-18 * EDGE / 0.5)
+    assert odometry.pose.x == pytest.approx(0, abs=1e-9)
+
+
+def test_wheels_of_nobody_are_refused() -> None:
+    with pytest.raises(ValueError, match="left_radius is 0 m"):
+        EncoderConfig()
+
+
+class Saying:
+    chair = ChairGeometry.thesis()
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.resets = 0
+
+    def reset(self) -> None:
+        self.resets += 1
+
+    def update(self, observation: Observation) -> Assistance:
+        raise AssertionError(self.name)
+
+
+def test_the_manual_button_puts_the_assistant_aside(seen: Observation) -> None:
+    pressed = True
+    learned = Saying("learned")
+    override = ManualOverride(learned, lambda: pressed)
+    assert override.update(seen).mode in {"user", "stale", "silent"}
+    pressed = False
+    with pytest.raises(AssertionError, match="learned"):
+        override.update(seen)
+    assert learned.resets == 1
+
+
+@pytest.fixture
+def seen() -> Observation:
+    from lfdcore.geometry import Twist2
+    from lfdcore.grid import LaserScan
+
+    return Observation(
+        stamp=0.0,
+        scan=LaserScan([2.0] * 181, -math.pi / 2, math.pi / 180),
+        scan_stamp=0.0,
+        pose=Pose2(),
+        twist=Twist2(),
+        odometry_stamp=0.0,
+        joystick=(0.0, 0.0),
+        joystick_stamp=0.0,
+    )
