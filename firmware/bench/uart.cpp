@@ -10,7 +10,7 @@ namespace bench {
 namespace {
 
 constexpr double line_baud = 115200;
-constexpr double largest_baud_error = 0.045;  // half a bit over a byte
+constexpr double largest_baud_error = 0.025;  // an Uno at 115200 has 2.1 %; the next divisor, 3.5 %, fails on some PCs
 constexpr uint8_t format_8n = 0x06, two_stop_bits = 0x08;
 constexpr int bits_per_byte = 10;
 

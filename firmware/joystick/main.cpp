@@ -41,7 +41,7 @@ volatile uint8_t received_in = 0, received_out = 0, sent_in = 0, sent_out = 0;
 
 void start_serial() {
   UCSR0A = _BV(U2X0);
-  UBRR0 = F_CPU / 8 / 115200;  // 16: 2.1 % fast
+  UBRR0 = F_CPU / 8 / 115200 - 1;  // 16: 2.1 % fast; one more would be 3.5 % slow
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
 }

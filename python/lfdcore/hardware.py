@@ -1,7 +1,6 @@
 """The joystick's link, odometry from encoders, LIDARs. Re-exports lfdcore._core.hardware."""
 
 from lfdcore._core.hardware import (
-    EncoderConfig,
     EncoderOdometry,
     JoystickCalibration,
     JoystickIdentity,
@@ -11,10 +10,10 @@ from lfdcore._core.hardware import (
     ScipLidar,
     ScipStatistics,
     TimedScan,
+    WheelEncoders,
 )
 
 __all__ = [
-    "EncoderConfig",
     "EncoderOdometry",
     "JoystickCalibration",
     "JoystickIdentity",
@@ -24,4 +23,5 @@ __all__ = [
     "ScipLidar",
     "ScipStatistics",
     "TimedScan",
+    "WheelEncoders",
 ]

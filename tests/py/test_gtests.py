@@ -11,6 +11,7 @@ ABOUT_SEVERAL_HEADERS = {
     TESTS / "steady_state_test.cpp",
     TESTS / "control" / "supervisor_promise_test.cpp",
     TESTS / "control" / "supervisor_touch_test.cpp",
+    TESTS / "hardware" / "joystick_firmware_test.cpp",
 }
 
 

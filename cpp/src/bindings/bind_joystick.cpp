@@ -138,8 +138,8 @@ void bind_link(py::module_& m) {
 }
 
 void bind_odometry(py::module_& m) {
-  using Config = EncoderConfig;
-  bind_settings(m, "EncoderConfig", "Wheels and their encoders. Nothing has a default that could be another chair's.",
+  using Config = WheelEncoders;
+  bind_settings(m, "WheelEncoders", "Wheels and their encoders. Nothing has a default that could be another chair's.",
                 Field("left_radius", &Config::left_radius, "[m]"), Field("right_radius", &Config::right_radius, "[m]"),
                 Field("track", &Config::track, "[m] between the wheels"),
                 Field("edges_per_turn", &Config::edges_per_turn,

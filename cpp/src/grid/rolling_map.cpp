@@ -207,15 +207,22 @@ void RollingMap::mark_free(const Pose2& T_odom_laser) {
       cells_.hit(T_odom_laser.x + ray.length * ray.dx, T_odom_laser.y + ray.length * ray.dy);
 }
 
+// All are judged before any is dropped: what is near a point does not depend on their order.
 void RollingMap::drop_stale(const LaserScan& scan, const Pose2& T_odom_laser) {
+  constexpr std::int32_t gone = -1;
   const ScanNumber oldest = oldest_scan();
   const double now = taken_.back().stamp;
-  points_.drop_if([&](FusedPoint& point) {
+  const auto is_stale = [&](FusedPoint& point) {
     if (point.scan == last_scan_) return false;
     if (point.scan < oldest || (point.young && now - point.seen > fading)) return true;
     if (!is_gone(point, scan, T_odom_laser)) return false;
     return is_noise(point) || ++point.misses >= misses_to_drop;
+  };
+  points_.drop_if([&](FusedPoint& point) {
+    if (is_stale(point)) point.misses = gone;
+    return false;
   });
+  points_.drop_if([](const FusedPoint& point) { return point.misses == gone; });
 }
 
 // One or two hits, and a surer point near.

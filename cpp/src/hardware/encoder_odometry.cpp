@@ -12,7 +12,7 @@ double difference(std::int32_t from, std::int32_t to) {
 
 }  // namespace
 
-void validate(const EncoderConfig& config) {
+void validate(const WheelEncoders& config) {
   require_between("left_radius", config.left_radius, 0.01, 1, "m");
   require_between("right_radius", config.right_radius, 0.01, 1, "m");
   require_between("track", config.track, 0.1, 5, "m");
@@ -20,7 +20,7 @@ void validate(const EncoderConfig& config) {
   require_between("window", config.window, 0.01, 1, "s");
 }
 
-EncoderOdometry::EncoderOdometry(const EncoderConfig& config) : config_((validate(config), config)) {}
+EncoderOdometry::EncoderOdometry(const WheelEncoders& config) : config_((validate(config), config)) {}
 
 // The way [m] and the turn [rad] between two counts.
 Twist2 EncoderOdometry::moved(const Counts& from, const Counts& to) const {

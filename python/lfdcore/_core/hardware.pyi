@@ -9,7 +9,6 @@ import lfdcore._core.grid
 import typing
 
 __all__: list[str] = [
-    "EncoderConfig",
     "EncoderOdometry",
     "JoystickCalibration",
     "JoystickIdentity",
@@ -19,6 +18,7 @@ __all__: list[str] = [
     "ScipLidar",
     "ScipStatistics",
     "TimedScan",
+    "WheelEncoders",
 ]
 
 class JoystickCalibration:
@@ -242,7 +242,7 @@ class JoystickLink:
     @property
     def statistics(self) -> LinkStatistics: ...
 
-class EncoderConfig:
+class WheelEncoders:
     """
     Wheels and their encoders. Nothing has a default that could be another chair's.
     """
@@ -293,7 +293,7 @@ class EncoderOdometry:
     Adds up what two wheels' encoders count; counts wrap around.
     """
 
-    def __init__(self, config: EncoderConfig) -> None:
+    def __init__(self, config: WheelEncoders) -> None:
         """
         ValueError names a field that is out of range.
         """

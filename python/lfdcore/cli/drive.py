@@ -74,12 +74,12 @@ def _connected(
         return _simulated(stack, course, seed)
     if scan is None or chair_file is None:
         raise typer.BadParameter("a real chair needs --scan and --chair: nothing is assumed of it")
-    told = read_chair_file(chair_file)
-    scans = scan_source(scan, T_base_laser=told.T_base_laser)
+    said = read_chair_file(chair_file)
+    scans = scan_source(scan, T_base_laser=said.T_base_laser)
     stack.callback(scans.close)
     link = JoystickLink(port)
     stack.callback(link.close)
-    return LinkedChair(link, told.wheels, scans, told.geometry(scans.scan_period)), link, lambda asked: None
+    return LinkedChair(link, said.wheels, scans, said.geometry(scans.scan_period)), link, lambda asked: None
 
 
 def _simulated(stack: ExitStack, course: str, seed: int) -> tuple[LinkedChair, JoystickLink, Callable[[bool], None]]:

@@ -10,7 +10,7 @@ from types import TracebackType
 
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
-from lfdcore.hardware import EncoderConfig, JoystickCalibration
+from lfdcore.hardware import JoystickCalibration, WheelEncoders
 from lfdcore.simulated.courses import Course
 from lfdcore.simulated.drivers import StickHolder
 from lfdcore.simulated.joystick_bench import STICK_VOLTS, JoystickBench
@@ -27,7 +27,7 @@ CALIBRATION = JoystickCalibration(
     profiles=[100, 100, 100, 100],
 )
 """Of the simulated stick and the simulated controller"""
-WHEELS = EncoderConfig(left_radius=0.17, right_radius=0.17, track=0.56, edges_per_turn=2000)
+WHEELS = WheelEncoders(left_radius=0.17, right_radius=0.17, track=0.56, edges_per_turn=2000)
 """Of the simulated chair"""
 
 

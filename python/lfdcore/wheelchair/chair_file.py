@@ -11,7 +11,7 @@ from typing import Any
 
 from lfdcore.errors import DataError
 from lfdcore.geometry import Footprint, MotionLimits, Pose2
-from lfdcore.hardware import EncoderConfig
+from lfdcore.hardware import WheelEncoders
 from lfdcore.wheelchair.observation import PERIOD, ChairGeometry
 
 FIELDS: Mapping[str, tuple[str, ...]] = {
@@ -37,7 +37,7 @@ class ChairFile:
 
     footprint: Footprint
     limits: MotionLimits
-    wheels: EncoderConfig
+    wheels: WheelEncoders
     T_base_laser: Pose2
     range_noise: float
     latency: float
@@ -63,7 +63,7 @@ def read_chair_file(path: Path) -> ChairFile:
     return ChairFile(
         footprint=Footprint(**parts["footprint"]),
         limits=MotionLimits(**parts["limits"]),
-        wheels=EncoderConfig(**parts["wheels"]),
+        wheels=WheelEncoders(**parts["wheels"]),
         T_base_laser=Pose2(scanner["x"], scanner["y"], math.radians(scanner["yaw_degrees"])),
         range_noise=scanner["range_noise"],
         latency=errors["latency"],

@@ -9,7 +9,7 @@ from collections import deque
 
 from lfdcore.geometry import MotionLimits, Pose2, Twist2, wrap_angle
 from lfdcore.grid import LaserScan
-from lfdcore.hardware import EncoderConfig, EncoderOdometry, JoystickLink, JoystickReading
+from lfdcore.hardware import EncoderOdometry, JoystickLink, JoystickReading, WheelEncoders
 from lfdcore.simulation import joystick_to_twist
 from lfdcore.wheelchair.observation import ChairGeometry, Observation
 from lfdcore.wheelchair.scan_sources import ScanSource
@@ -28,7 +28,7 @@ class LinkedChair:
     mounted elsewhere, or slower, than the geometry says.
     """
 
-    def __init__(self, link: JoystickLink, wheels: EncoderConfig, scans: ScanSource, geometry: ChairGeometry) -> None:
+    def __init__(self, link: JoystickLink, wheels: WheelEncoders, scans: ScanSource, geometry: ChairGeometry) -> None:
         if scans.T_base_laser != geometry.T_base_laser:
             raise ValueError(f"{scans.name} is at {scans.T_base_laser}, the chair's scanner at {geometry.T_base_laser}")
         if scans.scan_period > geometry.scan_period:
@@ -110,5 +110,5 @@ class LinkedChair:
 
 
 def _twist_given(reading: JoystickReading, limits: MotionLimits) -> Twist2:
-    """What the controller is told to do, in the profile that is selected."""
+    """What the controller is to do, in the profile that is selected."""
     return joystick_to_twist(reading.given_forward, reading.given_left, limits)

@@ -394,11 +394,13 @@ def test_other_threads_run_on_while_one_waits(device: ScipDevice, lidar: ScipLid
 
 def test_a_wait_can_be_interrupted(device: ScipDevice, lidar: ScipLidar) -> None:
     device.silent = True
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         lidar.wait_newer(10**9, PATIENCE)
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("patience", [-1.0, math.nan])

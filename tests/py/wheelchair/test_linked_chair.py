@@ -11,7 +11,7 @@ import pytest
 
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
-from lfdcore.hardware import EncoderConfig, EncoderOdometry
+from lfdcore.hardware import EncoderOdometry, WheelEncoders
 from lfdcore.wheelchair.chair_file import read_chair_file
 from lfdcore.wheelchair.manual_override import ManualOverride
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
@@ -57,7 +57,7 @@ def test_a_name_too_many_is_named(tmp_path: Path) -> None:
         read_chair_file(written(tmp_path, {**TOLD, "colour": "red"}))
 
 
-WHEELS = EncoderConfig(left_radius=0.2, right_radius=0.2, track=0.5, edges_per_turn=1000)
+WHEELS = WheelEncoders(left_radius=0.2, right_radius=0.2, track=0.5, edges_per_turn=1000)
 EDGE = 2 * math.pi * 0.2 / 1000
 
 
@@ -83,7 +83,7 @@ def test_counts_that_wrap_around_are_no_jump() -> None:
 
 def test_wheels_of_nobody_are_refused() -> None:
     with pytest.raises(ValueError, match="left_radius is 0 m"):
-        EncoderConfig()
+        WheelEncoders()
 
 
 class Saying:

@@ -8,7 +8,7 @@
 
 namespace lfdcore {
 
-struct EncoderConfig {
+struct WheelEncoders {
   double left_radius = 0, right_radius = 0;  ///< of the wheels [m]
   double track = 0;                          ///< between the wheels [m]
   double edges_per_turn = 0;                 ///< four a line of a quadrature encoder, negative where it counts back
@@ -16,12 +16,12 @@ struct EncoderConfig {
 };
 
 /// Throws std::invalid_argument, naming the field: nothing of it has a default that could be another chair's.
-void validate(const EncoderConfig& config);
+void validate(const WheelEncoders& config);
 
 /// Adds up what two encoders count. Counts wrap around at 32 bits.
 class EncoderOdometry {
  public:
-  explicit EncoderOdometry(const EncoderConfig& config);
+  explicit EncoderOdometry(const WheelEncoders& config);
 
   /// Takes counts read at `stamp` [s]. The first ones, and those after reset(), are where it begins. Those of a stamp
   /// that is not later are not taken. Throws std::invalid_argument for a stamp that is not finite.
@@ -42,7 +42,7 @@ class EncoderOdometry {
 
   Twist2 moved(const Counts& from, const Counts& to) const;
 
-  EncoderConfig config_;
+  WheelEncoders config_;
   std::optional<Counts> last_, window_;
   Pose2 pose_;
   Twist2 twist_;

@@ -186,8 +186,9 @@ def test_without_process_noise_the_belief_only_gets_surer_and_with_it_stays_wide
         now = np.trace(quiet.update(drive.pose[k], drive.twist[k], drive.joystick[k]).covariance)
         wider = np.trace(noisy.update(drive.pose[k], drive.twist[k], drive.joystick[k]).covariance)
         assert now <= before + 1e-9
-        assert wider > now
+        assert wider >= now - 1e-9  # on some processors the first one is the same to the last bit
         before = now
+    assert wider > now
 
 
 def test_filters_may_share_an_action_model() -> None:
