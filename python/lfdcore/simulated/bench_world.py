@@ -65,7 +65,7 @@ class BenchWorld:
             limits=self._chair.limits,
             T_base_laser=self.T_base_laser,
             latency=LATENCY,
-            scan_period=2 * PERIOD,
+            scan_period=2 * PERIOD,  # a loaded machine misses one now and then
         )
 
     def __enter__(self) -> BenchWorld:

@@ -7,7 +7,7 @@ import time
 from bisect import bisect_left
 from collections import deque
 
-from lfdcore.geometry import MotionLimits, Pose2, Twist2, wrap_angle
+from lfdcore.geometry import Pose2, Twist2, wrap_angle
 from lfdcore.grid import LaserScan
 from lfdcore.hardware import EncoderOdometry, JoystickLink, JoystickReading, WheelEncoders
 from lfdcore.simulation import joystick_to_twist
@@ -25,7 +25,7 @@ class LinkedChair:
 
     link: to the joystick's chip. wheels: its encoders, which give the odometry. scans: where scans come from. geometry:
     the chair; its limits are those at full stick in the profile that is selected. ValueError for a scanner that is
-    mounted elsewhere, or slower, than the geometry says.
+    mounted elsewhere, or slower, than the geometry says; DeviceError where the chip does not say who it is.
     """
 
     def __init__(self, link: JoystickLink, wheels: WheelEncoders, scans: ScanSource, geometry: ChairGeometry) -> None:
@@ -37,6 +37,7 @@ class LinkedChair:
             )
         self.geometry = geometry
         self._link, self._scans = link, scans
+        self._percent = link.identity().calibration.profiles
         self._odometry = EncoderOdometry(wheels)
         self._way: deque[tuple[float, Pose2]] = deque()
         self._connections = 0
@@ -58,7 +59,7 @@ class LinkedChair:
             odometry_stamp=None if last is None else last.stamp + to_loop,
             joystick=(0.0, 0.0) if last is None else (last.forward, last.left),
             joystick_stamp=None if last is None else last.stamp + to_loop,
-            command=None if last is None else _twist_given(last, self.geometry.limits),
+            command=None if last is None else self._given(last),
         )
 
     def command(self, twist: Twist2, duration: float) -> None:
@@ -80,6 +81,12 @@ class LinkedChair:
     def emergency(self) -> bool:
         """Whether the emergency input is pressed, or its wire broken."""
         return self._last is not None and self._last.emergency
+
+    def _given(self, reading: JoystickReading) -> Twist2:
+        """What the controller is to do, whose voltages are a profile's share of full output."""
+        share = self._percent[reading.profile] / 100
+        forward, left = (max(-1.0, min(given / share, 1.0)) for given in (reading.given_forward, reading.given_left))
+        return joystick_to_twist(forward, left, self.geometry.limits)
 
     def _read(self) -> None:
         reading = self._link.read()
@@ -107,8 +114,3 @@ class LinkedChair:
         share = (stamp - t0) / (t1 - t0)
         yaw = p0.yaw + share * wrap_angle(p1.yaw - p0.yaw)
         return Pose2(p0.x + share * (p1.x - p0.x), p0.y + share * (p1.y - p0.y), wrap_angle(yaw))
-
-
-def _twist_given(reading: JoystickReading, limits: MotionLimits) -> Twist2:
-    """What the controller is to do, in the profile that is selected."""
-    return joystick_to_twist(reading.given_forward, reading.given_left, limits)

@@ -1,14 +1,24 @@
 """lfdcore joystick and lfdcore drive, on the firmware in a simulated chip."""
 
 import json
+import time
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from calling import run
+from lfdcore.cli.ports import simulated_chip
 from lfdcore.datasets import open_log
 from lfdcore.errors import DeviceError
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.hardware import JoystickCalibration
+from lfdcore.simulated.bench_world import CALIBRATION, WHEELS, BenchWorld
+from lfdcore.simulated.courses import home
+from lfdcore.simulated.drivers import DriverInput
 from lfdcore.simulated.joystick_bench import packaged
+from lfdcore.wheelchair.linked_chair import LinkedChair
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -62,3 +72,38 @@ def test_what_cannot_be_driven_says_why(
     code, _, err = run(monkeypatch, capsys, *words)
     assert code in (1, 2)
     assert why in " ".join(err.replace("│", " ").split())
+
+
+def test_in_a_slower_profile_the_chair_says_what_it_was_commanded() -> None:
+    """Limits are those of the profile: its share is no second factor."""
+    slow = JoystickCalibration(axes=CALIBRATION.axes, outputs=CALIBRATION.outputs, profiles=[50, 100, 100, 100])
+    with simulated_chip() as (bench, link), BenchWorld(bench, home(), StickAhead(), 1) as world:
+        link.calibrate(slow)
+        chair = LinkedChair(link, WHEELS, world, world.geometry())
+        world.ask_neutral(True)
+        wait_until(lambda: link.state in {"driving", "ready"})
+        world.ask_neutral(False)
+
+        def said() -> float:
+            chair.command(Twist2(0.5, 0.0), 0.25)
+            command = chair.observe(0.0).command
+            return 0.0 if command is None else command.linear
+
+        wait_until(lambda: said() > 0.4)
+        assert said() == pytest.approx(0.5, abs=0.01)
+        assert bench.outputs().dac[0] == pytest.approx(2048 + 0.25 * 1048, abs=3)
+
+
+class StickAhead:
+    def reset(self, seed: int) -> None:
+        pass
+
+    def act(self, stamp: float, pose: Pose2, twist: Twist2, in_contact: bool) -> DriverInput:
+        return DriverInput(np.array([1.0, 0.0]), np.array([1.0, 0.0]))
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + 10
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
