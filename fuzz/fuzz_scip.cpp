@@ -1,20 +1,16 @@
 // Any bytes from a LIDAR: the codec and the clock take them or refuse them with DataError, and nothing else happens.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "lfdcore/error.hpp"
 #include "lfdcore/hardware/scip_clock.hpp"
 #include "lfdcore/hardware/scip_codec.hpp"
+#include "require_true.hpp"
 
 namespace {
 
 using namespace lfdcore;
-
-void require_true(bool claim) {
-  if (!claim) std::abort();
-}
 
 template <typename Work>
 void allow_refusal(const Work& work) {
@@ -29,9 +25,9 @@ void check_ranges(const std::vector<std::uint32_t>& distances, const ScipParamet
   for (const bool upside_down : {false, true}) {
     const LaserScan scan = scan_from_scip(distances, said, upside_down);
     validate(scan);
-    require_true(scan.ranges.size() == said.beams());
+    require_true(scan.ranges.size() == said.beams(), "a range for each beam");
     for (const float range : scan.ranges)
-      require_true(!std::isfinite(range) || (range >= scan.range_min && range < scan.range_max));
+      require_true(!std::isfinite(range) || (range >= scan.range_min && range < scan.range_max), "a range that can be");
   }
 }
 
@@ -44,7 +40,7 @@ void check_scan(const ScipReply& reply) {
 
 void check_parameters(const ScipReply& reply) {
   const ScipParameters said = parse_scip_parameters(reply);
-  require_true(measure_command(said).size() == 15);
+  require_true(measure_command(said).size() == 15, "a command as SCIP has them");
   std::vector<std::uint32_t> distances(said.beams());
   for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = static_cast<std::uint32_t>(i * i) % (1u << 18);
   check_ranges(distances, said);
@@ -53,13 +49,14 @@ void check_parameters(const ScipReply& reply) {
 void check_time(const ScipReply& reply) {
   ScipClock clock;
   clock.exchange(parse_scip_time(reply), 1.0, 1.1);
-  if (const auto stamp = clock.host_time(parse_scip_time(reply), 1.2)) require_true(*stamp <= 1.2);
+  if (const auto stamp = clock.host_time(parse_scip_time(reply), 1.2))
+    require_true(*stamp <= 1.2, "a stamp before it came");
 }
 
 void check_reply(std::string_view text) {
   allow_refusal([&] {
     const ScipReply reply = parse_scip_reply(text);
-    require_true(!scip_status_meaning(reply.echo, reply.status).empty());
+    require_true(!scip_status_meaning(reply.echo, reply.status).empty(), "every status means something");
     for (const auto part : {check_time, check_scan, check_parameters}) allow_refusal([&] { part(reply); });
   });
 }

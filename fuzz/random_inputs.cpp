@@ -1,81 +1,99 @@
-// Drives a fuzz target where there is no libFuzzer: PROGRAM [RUNS [SEED]] gives it texts like those that devices send,
-// with random damage. The same seed gives the same inputs.
+// Drives a fuzz target where there is no libFuzzer, with the same flags: -max_total_time=SECONDS -seed=N -dict=FILE.
+// Inputs are random bytes and, with a dictionary, its entries with random damage. The same seed gives the same inputs.
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
+#include <fstream>
 #include <random>
 #include <string>
+#include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
 
 using Random = std::mt19937_64;
+using Clock = std::chrono::steady_clock;
 
 std::size_t below(Random& random, std::size_t bound) { return random() % bound; }
 
-std::string any_part(Random& random) {
-  static const char* const parts[] = {"\n",
-                                      "\n\n",
-                                      "99",
-                                      "00",
-                                      "MD0000000301000",
-                                      "PP",
-                                      "TM1",
-                                      ":",
-                                      ";",
-                                      "DMIN:23;",
-                                      "DMAX:9999;",
-                                      "ARES:1440;",
-                                      "AMIN:0;",
-                                      "AMAX:3;",
-                                      "AFRT:2;",
-                                      "SCAN:2400;",
-                                      "0000",
-                                      "00C00C00C00C",
-                                      "MODL:X;",
-                                      "o",
-                                      "0",
-                                      "99999999999",
-                                      "-1",
-                                      "\xff",
-                                      "\0"};
-  const std::size_t which = below(random, std::size(parts) + 2);
-  if (which < std::size(parts)) return parts[which];
-  return std::string(1 + below(random, 70),
-                     static_cast<char>(which == std::size(parts) ? '0' + below(random, 64) : random()));
+char hexadecimal(const std::string& digits) { return static_cast<char>(std::strtoul(digits.c_str(), nullptr, 16)); }
+
+// What stands between the first and the last quotation mark of a line; \xNN is a byte.
+std::string entry_of(const std::string& line) {
+  const std::size_t first = line.find('"'), last = line.rfind('"');
+  std::string entry;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const bool escaped = line.compare(i, 2, "\\x") == 0;
+    entry += escaped ? hexadecimal(line.substr(i + 2, 2)) : line[i];
+    if (escaped) i += 3;
+  }
+  return entry;
 }
 
-// A whole reply to MD or PP that the damage starts from, or nothing.
-std::string any_start(Random& random) {
-  static const char* const starts[] = {
-      "", "MD0000000301000\n99\n0123\n00C00D00E0OK\n\n",
-      "PP\n00\nMODL:UTM-30LX;\nDMIN:23;\nDMAX:60000;\nARES:1440;\nAMIN:0;\nAMAX:1080;\nAFRT:540;\nSCAN:2400;\n\n"};
-  return starts[below(random, std::size(starts))];
+std::vector<std::string> dictionary(const std::string& file) {
+  std::ifstream lines(file);
+  if (!lines) {
+    std::fprintf(stderr, "cannot read the dictionary %s\n", file.c_str());
+    std::exit(2);
+  }
+  std::vector<std::string> entries;
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with('"')) entries.push_back(entry_of(line));
+  return entries;
 }
 
-std::string any_input(Random& random) {
-  std::string text = any_start(random);
+std::string any_bytes(Random& random) {
+  std::string bytes(1 + below(random, 70), static_cast<char>('0' + below(random, 64)));
+  if (below(random, 2) == 0)
+    for (char& byte : bytes) byte = static_cast<char>(random());
+  return bytes;
+}
+
+std::string any_part(Random& random, const std::vector<std::string>& entries) {
+  const std::size_t which = below(random, entries.size() + 2);
+  return which < entries.size() ? entries[which] : any_bytes(random);
+}
+
+std::string any_input(Random& random, const std::vector<std::string>& entries) {
+  std::string text = below(random, 3) == 0 ? "" : any_part(random, entries);
   for (std::size_t i = below(random, 30); i > 0; --i) {
     const std::size_t at = below(random, text.size() + 1);
     if (below(random, 3) == 0)
       text.erase(at, below(random, 8));
     else
-      text.insert(at, any_part(random));
+      text.insert(at, any_part(random, entries));
   }
   return text;
 }
 
+struct Options {
+  double seconds = 10;
+  unsigned long long seed = 1;
+  std::vector<std::string> entries;
+
+  void take(const std::string& flag) {
+    const std::size_t equals = flag.find('=');
+    const std::string name = flag.substr(0, equals), value = equals == flag.npos ? "" : flag.substr(equals + 1);
+    if (name == "-max_total_time") seconds = std::atof(value.c_str());
+    if (name == "-seed") seed = std::strtoull(value.c_str(), nullptr, 10);
+    if (name == "-dict") entries = dictionary(value);
+  }
+};
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  const long runs = count > 1 ? std::atol(arguments[1]) : 100'000;
-  const unsigned long long seed = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 1;
-  Random random(seed);
-  for (long run = 0; run < runs; ++run) {
-    const std::string text = any_input(random);
+  Options options;
+  for (int i = 1; i < count; ++i) options.take(arguments[i]);
+  Random random(options.seed);
+  long runs = 0;
+  for (const auto begin = Clock::now();
+       std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;) {
+    const std::string text = any_input(random, options.entries);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    ++runs;
   }
-  std::printf("%ld random inputs of seed %llu\n", runs, seed);
+  std::printf("%s: %ld random inputs of seed %llu\n", arguments[0], runs, options.seed);
 }

@@ -18,6 +18,32 @@ double share_of(std::int16_t value) { return static_cast<double>(value) / full; 
 
 std::int16_t count_of(double share) { return static_cast<std::int16_t>(std::lround(share * full)); }
 
+// -> whether it can be true: another firmware may have other numbers.
+bool read_report(const std::uint8_t* payload, Axes& stick, JoystickReading& said) {
+  Reader reader(payload);
+  said.tick = reader.u32();
+  const std::int16_t forward = reader.i16(), left = reader.i16();
+  for (std::uint16_t& count : said.adc) count = reader.u16();
+  for (std::int32_t& count : said.edges) count = reader.i32();
+  said.lost_edges = reader.u16();
+  const std::int16_t given_forward = reader.i16(), given_left = reader.i16();
+  const std::uint8_t state = reader.u8();
+  said.faults = reader.u16();
+  const std::uint8_t inputs = reader.u8();
+  said.profile = reader.u8();
+  if (!is_in_range({forward, left}) || !is_in_range({given_forward, given_left})) return false;
+  if (state >= static_cast<std::uint8_t>(State::disconnected) || said.profile >= profiles) return false;
+  stick = {forward, left};
+  said.forward = share_of(forward);
+  said.left = share_of(left);
+  said.given_forward = share_of(given_forward);
+  said.given_left = share_of(given_left);
+  said.chip = static_cast<State>(state);
+  said.manual = inputs & 1;
+  said.emergency = inputs & 2;
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> JoystickSession::take(const std::uint8_t* bytes, std::size_t count, double stamp) {
@@ -33,8 +59,7 @@ std::vector<std::uint8_t> JoystickSession::take(const std::uint8_t* bytes, std::
     }
     count_sequence(frame.sequence);
     if (frame.type == FrameType::identity) take_identity(frame);
-    if (frame.type != FrameType::report) continue;
-    take_report(frame, stamp);
+    if (frame.type != FrameType::report || !take_report(frame, stamp)) continue;
     const std::vector<std::uint8_t> sent = answer();
     answers.insert(answers.end(), sent.begin(), sent.end());
   }
@@ -59,25 +84,12 @@ void JoystickSession::command(double forward, double left, double stamp, double 
   judge(stamp);
 }
 
-void JoystickSession::take_report(const Frame& frame, double stamp) {
-  Reader reader(frame.payload);
+bool JoystickSession::take_report(const Frame& frame, double stamp) {
   JoystickReading said;
-  said.tick = reader.u32();
-  stick_.forward = reader.i16();
-  stick_.left = reader.i16();
-  said.forward = share_of(stick_.forward);
-  said.left = share_of(stick_.left);
-  for (std::uint16_t& count : said.adc) count = reader.u16();
-  for (std::int32_t& count : said.edges) count = reader.i32();
-  said.lost_edges = reader.u16();
-  said.given_forward = share_of(reader.i16());
-  said.given_left = share_of(reader.i16());
-  said.chip = static_cast<State>(std::min<std::uint8_t>(reader.u8(), states - 1));
-  said.faults = reader.u16();
-  const std::uint8_t inputs = reader.u8();
-  said.manual = inputs & 1;
-  said.emergency = inputs & 2;
-  said.profile = reader.u8();
+  if (!read_report(frame.payload, stick_, said)) {
+    ++statistics_.bad_frames;
+    return false;
+  }
   said.stamp = stamp_of(said.tick, stamp);
   if (!newest_) {
     ++statistics_.connections;
@@ -93,16 +105,16 @@ void JoystickSession::take_report(const Frame& frame, double stamp) {
   came_ = stamp;
   ++statistics_.reports;
   judge(stamp);
+  return true;
 }
 
 // The quickest report tells how the clocks differ; what comes later than that was under way for longer. A clock that
-// drifts away is followed; one that began anew is another one.
+// drifts away is followed; one that began anew is another one. The chip's ticks wrap around after 49 days.
 double JoystickSession::stamp_of(std::uint32_t tick, double stamp) {
-  const double by_chip = tick * 1e-3, offset = stamp - by_chip;
-  const bool anew = !newest_ || tick - newest_->tick > 1000;
-  if (anew) return offset_ = offset, stamp;
-  offset_ = std::min(offset_ + clock_error * (tick - newest_->tick) * 1e-3, offset);
-  return by_chip + offset_;
+  const std::uint32_t passed = newest_ ? tick - newest_->tick : 0;
+  if (!newest_ || passed > 1000) return quickest_ = stamp;
+  quickest_ = std::min(quickest_ + (1 + clock_error) * passed * 1e-3, stamp);
+  return quickest_;
 }
 
 void JoystickSession::take_identity(const Frame& frame) {
@@ -140,11 +152,7 @@ std::vector<std::uint8_t> JoystickSession::frame(FrameType type, const std::uint
 std::vector<std::uint8_t> JoystickSession::query() { return frame(FrameType::query, nullptr); }
 
 std::vector<std::uint8_t> JoystickSession::set_calibration(const Calibration& calibration) {
-  require(
-      is_sound(calibration),
-      "the calibration is not sound: each axis needs its centre between both ends, 50 counts or more from each, ends "
-      "from 16 to 1007 and a dead zone of less than half of the way; each output neutral between both ends, 100 "
-      "codes or more from each, up to 4095; each profile 1 to 100 %");
+  require(is_sound(calibration), sound_calibration);
   std::uint8_t payload[calibration_bytes];
   write_calibration(calibration, payload);
   identity_.reset();

@@ -13,7 +13,7 @@ namespace {
 
 using namespace joystick;
 
-constexpr double began = 5000.25;  // [s] of the host's clock at the chip's 0
+constexpr double began = 5000.25;  // [s] of the host's clock when a Pair is made
 
 // A chip and a PC with a line each way; the host's clock and the chip's tell the same.
 struct Pair {
@@ -23,12 +23,14 @@ struct Pair {
   Random random{1};
   double wanted_forward = 0.5;
   bool assistant_silent = false;
+  long passed = 0;  // [ms]
 
-  double now() const { return began + chip.pins.now * 1e-3; }
+  double now() const { return began + passed * 1e-3; }
 
   void run(int ms) {
     for (int i = 0; i < ms; ++i) {
       chip.run(1);
+      ++passed;
       if (chip.pins.now % 100 == 0 && !assistant_silent) pc.command(wanted_forward, 0, now());
       report();
       deliver();
@@ -68,6 +70,38 @@ TEST(JoystickSession, what_an_assistant_says_arrives_at_the_chair) {
   EXPECT_NEAR(said.stamp, pair.now(), 0.011);
   EXPECT_EQ(pair.pc.statistics().lost_reports, 0);
   EXPECT_EQ(pair.pc.statistics().answers, pair.pc.statistics().reports);
+}
+
+TEST(JoystickSession, it_drives_on_when_the_chips_clock_wraps_around_after_49_days) {
+  Pair pair;
+  pair.chip.pins.now = 0xFFFFFFFF - 2000;
+  pair.set_off();
+  pair.run(3000);
+  EXPECT_LT(pair.chip.pins.now, 3000u);
+  EXPECT_NEAR(pair.pc.newest()->stamp, pair.now(), 0.011);
+  EXPECT_EQ(pair.pc.state(), State::driving);
+  EXPECT_FALSE(pair.stands());
+}
+
+TEST(JoystickSession, a_report_of_what_cannot_be_is_none) {
+  const struct {
+    std::size_t at;
+    std::uint8_t byte;
+  } changes[] = {{5, 0x7F}, {7, 0x7F}, {23, 0x7F}, {25, 0x80}, {26, 5}, {30, profiles}};
+  Bench chip;
+  chip.run(20);
+  for (const auto& change : changes) {
+    JoystickSession pc;
+    std::uint8_t wire[most_wire], body[most_wire];
+    const std::size_t count = chip.chip.report(chip.pins.now, wire);
+    cobs_decode(wire, count - 1, body);
+    EXPECT_FALSE(pc.take(wire, count, began).empty());
+    body[header_bytes + change.at] = change.byte;
+    const std::size_t sent = encode_frame(FrameType::report, 0, body + header_bytes, wire);
+    EXPECT_TRUE(pc.take(wire, sent, began + 0.01).empty()) << change.at;
+    EXPECT_EQ(pc.statistics().bad_frames, 1);
+    EXPECT_EQ(pc.statistics().reports, 1);
+  }
 }
 
 TEST(JoystickSession, a_stick_that_is_held_when_the_link_begins_moves_nothing_until_it_was_at_neutral) {

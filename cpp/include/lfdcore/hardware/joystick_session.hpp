@@ -42,8 +42,8 @@ namespace joystick {
 /// What is_sound asks for, as an error says it.
 constexpr const char* sound_calibration =
     "the calibration is not sound: each axis needs its centre between both ends, 50 counts or more from each, ends "
-    "from "
-    "16 to 1007 and a dead zone of at most half of the way; each output neutral between both ends, 100 codes or more "
+    "from 16 to 1007 and a dead zone of at most half of the way; each output neutral between both ends, 100 codes or "
+    "more "
     "from each, up to 4095; each profile 1 to 100 %";
 }  // namespace joystick
 
@@ -98,7 +98,7 @@ class JoystickSession {
 
   void happen(joystick::Event event) { state_ = joystick::next(state_, event); }
   std::vector<std::uint8_t> frame(joystick::FrameType type, const std::uint8_t* payload);
-  void take_report(const joystick::Frame& frame, double stamp);
+  bool take_report(const joystick::Frame& frame, double stamp);
   void take_identity(const joystick::Frame& frame);
   void judge(double stamp);
   std::vector<std::uint8_t> answer();
@@ -112,7 +112,8 @@ class JoystickSession {
   std::optional<Wanted> wanted_;
   LinkStatistics statistics_;
   std::optional<std::uint8_t> last_sequence_;
-  double offset_ = 0, came_ = 0;  // of the host's clock to the chip's; when the newest report came
+  double quickest_ = 0;  // when the newest report would have come, had it been no slower than the quickest
+  double came_ = 0;      // when it came
   joystick::Axes stick_{0, 0};
   std::uint32_t not_neutral_ = 0;  // tick of the last report with the stick out
   std::uint8_t sequence_ = 0;
