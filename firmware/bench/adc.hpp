@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "chip.hpp"
 
@@ -10,16 +11,21 @@ namespace bench {
 
 class Adc {
  public:
-  explicit Adc(Chip& chip);
+  /// `tell` is called when a channel reads something new.
+  Adc(Chip& chip, std::function<void(std::size_t channel, unsigned code)> tell);
 
   void set_millivolts(std::size_t channel, double millivolts) { millivolts_[channel] = millivolts; }
   double millivolts(std::size_t channel) const { return millivolts_[channel]; }
 
  private:
+  void sample();
+  unsigned channel() const;
   unsigned convert() const;
   uint16_t result() const;
 
   Chip& chip_;
+  std::function<void(std::size_t, unsigned)> tell_;
+  std::array<unsigned, 16> last_{};
   std::array<double, 8> millivolts_{2500, 2500};
   unsigned before_ = 0, newest_ = 0;  // the newest is still being made while ADSC is set
 };

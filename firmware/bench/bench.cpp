@@ -78,7 +78,10 @@ Bench::Bench(const std::string& elf, const std::string& eeprom_file, std::functi
       left_dac_(chip, left_address,
                 [this](Cycles when) { event_(when, "dac1 " + std::to_string(left_dac_.output())); }),
       eeprom(chip, eeprom_file),
-      adc(chip),
+      adc(chip,
+          [this](std::size_t channel, unsigned code) {
+            event_(chip.now(), "adc" + std::to_string(channel) + ' ' + std::to_string(code));
+          }),
       line(chip, std::move(received)),
       twi(chip, {{forward_dac_}, {left_dac_}}),
       inputs(chip),

@@ -51,9 +51,10 @@ void set_bus(Bench& bench, const Words& words) {
 }
 
 void set_dac_eeprom(Bench& bench, const Words& words) {
-  words.expect(3, "dac_eeprom dac0|dac1 CODE");
+  words.expect(4, "dac_eeprom dac0|dac1 CODE sound|worn");
   const double code = words.number(2, "CODE", 0, 4095);
-  bench.twi.dac(words.choice(1, "dac0", "dac1") ? 1 : 0).dac.set_eeprom(static_cast<unsigned>(code));
+  const bool worn = words.choice(3, "sound", "worn");
+  bench.twi.dac(words.choice(1, "dac0", "dac1") ? 1 : 0).dac.set_eeprom(static_cast<unsigned>(code), worn);
 }
 
 void set_cable(Bench& bench, const Words& words) {
@@ -97,14 +98,14 @@ const char* const command_help =
   button manual|emergency 0|1              1: pressed
   button_wire manual|emergency joined|broken
   i2c dac0|dac1 present|absent|stuck [N]   absent: wires cut, its output stays; stuck: holds SDA low (until N clocks)
-  dac_eeprom dac0|dac1 CODE                what it gives at its next power-up
+  dac_eeprom dac0|dac1 CODE sound|worn     what it gives at its next power-up; worn: it takes nothing else
   uart cut|join                            the serial cable
   usb unplug|plug                          without --free: the port vanishes; plugged again, its path is the answer
   power off|on                             off: RAM and the DACs' registers are lost
   reset                                    the reset button
   brownout                                 the supply fails for a moment: a reset; RAM and DACs stay
   hang all|main                            the program loops for ever; main: its interrupts are still served
-  trace on|off                             event lines "@MICROSECONDS WHAT": changes of DACs and enable line, resets
+  trace on|off                             event lines "@MICROSECONDS WHAT": changes of what the ADC reads, of DACs and enable line, resets
   get                                      everything, as JSON
   run MICROSECONDS                         with --free: time passes; answered when it has
   send HEX                                 with --free: bytes to the chip, from now on, without a gap

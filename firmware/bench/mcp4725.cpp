@@ -14,7 +14,10 @@ Mcp4725::Mcp4725(Chip& chip, uint8_t address, std::function<void(Cycles)> tell)
 
 unsigned Mcp4725::output() const { return powered_ && register_ < 0x1000 ? register_ : 0; }
 
-void Mcp4725::set_eeprom(unsigned code) { eeprom_ = static_cast<Word>(code); }
+void Mcp4725::set_eeprom(unsigned code, bool worn) {
+  eeprom_ = static_cast<Word>(code);
+  worn_ = worn;
+}
 
 void Mcp4725::set_powered(bool powered) {
   const unsigned before = output();
@@ -53,7 +56,7 @@ void Mcp4725::set(Word word, Cycles when) {
 void Mcp4725::store(Word word, Cycles when) {
   if (stored_.is_set()) return void(++ignored_);
   set(word, when);
-  storing_ = word;
+  storing_ = worn_ ? eeprom_ : word;
   stored_.set(when + longest_store);
 }
 

@@ -19,7 +19,8 @@ class Mcp4725 {
   unsigned writes() const { return writes_; }
   unsigned ignored() const { return ignored_; }
   Cycles written() const { return written_; }
-  void set_eeprom(unsigned code);
+  /// Worn: it acknowledges another code, and does not keep it.
+  void set_eeprom(unsigned code, bool worn);
   void set_powered(bool powered);
 
   void begin() { count_ = 0; }
@@ -39,7 +40,7 @@ class Mcp4725 {
   std::function<void(Cycles)> tell_;
   Alarm stored_;  // it is busy until then
   Word register_ = 0x800, eeprom_ = 0x800, storing_ = 0;
-  bool powered_ = true;
+  bool powered_ = true, worn_ = false;
   unsigned count_ = 0, writes_ = 0, ignored_ = 0;
   uint8_t command_ = 0, high_ = 0;
   Cycles written_ = 0;

@@ -42,7 +42,7 @@ class Joystick {
     reading_ = reading;
     watch(reading.now);
     if (calibrated()) read_stick();
-    if (!is_neutral(stick_) || !calibrated()) neutral_since_ = reading.now;
+    if (!is_neutral(stick_) || faults_ != 0) neutral_since_ = reading.now;
     if (reading.now - neutral_since_ >= neutral_ms) happen(Event::stick_neutral);
     happen(reading.emergency ? Event::emergency_pressed : Event::emergency_released);
     judge();
@@ -68,6 +68,12 @@ class Joystick {
   /// The DACs answered, or did not, when they were last given their codes.
   void dac_answered(bool answered) {
     set_fault(dac_failed, !answered);
+    judge();
+  }
+
+  /// A DAC's own memory holds its neutral code, or does not take it.
+  void dac_keeps(uint8_t axis, bool kept) {
+    set_fault(axis == 0 ? forward_memory : left_memory, !kept);
     judge();
   }
 
@@ -141,18 +147,29 @@ class Joystick {
   }
   void judge() { happen(faults_ != 0 ? Event::fault_found : Event::fault_gone); }
 
-  // A reading beyond the ends is none: the stick counts as let go.
+  // A reading beyond the ends is none: the stick counts as let go. A wire that is broken now and then is broken.
   void read_stick() {
     int16_t value[axes];
+    bool whole = true;
     for (uint8_t i = 0; i < axes; ++i) {
       const bool plausible = is_plausible(calibration_.axis[i], reading_.adc[i]);
-      implausible_[i] = plausible ? 0 : implausible_[i] < wire_readings ? implausible_[i] + 1 : wire_readings;
+      whole = whole && plausible;
       value[i] = plausible ? stick_of(calibration_.axis[i], reading_.adc[i]) : 0;
+      judge_wire(i, plausible);
     }
-    stick_ = {value[0], value[1]};
-    if (implausible_[0] != 0 || implausible_[1] != 0) stick_ = {0, 0};
-    set_fault(forward_wire, implausible_[0] == wire_readings);
-    set_fault(left_wire, implausible_[1] == wire_readings);
+    stick_ = {0, 0};
+    if (whole && !has(forward_wire) && !has(left_wire)) stick_ = {value[0], value[1]};
+  }
+
+  void judge_wire(uint8_t axis, bool plausible) {
+    uint8_t& doubt = doubt_[axis];
+    if (plausible)
+      doubt = doubt > 0 ? doubt - 1 : 0;
+    else
+      doubt = doubt + wire_weight < wire_doubt ? doubt + wire_weight : wire_doubt;
+    const Fault wire = axis == 0 ? forward_wire : left_wire;
+    if (doubt == wire_doubt) set_fault(wire, true);
+    if (doubt == 0) set_fault(wire, false);
   }
 
   void obey(const Frame& frame, uint32_t now) {
@@ -222,7 +239,7 @@ class Joystick {
   Axes stick_ = {0, 0}, command_ = {0, 0};
   uint32_t command_tick_ = 0, neutral_since_ = 0;
   uint16_t faults_ = 0, bad_frames_ = 0;
-  uint8_t implausible_[axes] = {0, 0}, profile_ = 0, sequence_ = 0;
+  uint8_t doubt_[axes] = {0, 0}, profile_ = 0, sequence_ = 0;
   State state_ = State::neutral_required;
   bool has_command_ = false, asked_ = false, store_ = false;
 };

@@ -6,6 +6,7 @@
 #include <avr/io.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
+#include <util/delay.h>
 
 #include "joystick.hpp"
 
@@ -50,7 +51,7 @@ uint8_t room() { return static_cast<uint8_t>(ring - 1 - ((sent_in - sent_out) & 
 
 // A frame goes out whole or not at all.
 void send(const uint8_t* bytes, size_t count) {
-  if (room() < count) return;
+  if (count == 0 || room() < count) return;
   for (size_t i = 0; i < count; ++i) {
     sent[sent_in] = bytes[i];
     sent_in = (sent_in + 1) & (ring - 1);
@@ -121,8 +122,9 @@ void enable(bool closed) {
 // -- two MCP4725 on I2C, 100 kHz -----------------------------------------------------------------------------------
 
 constexpr uint8_t dac_address[axes] = {0x62, 0x63};
-constexpr uint8_t started = 0x08, address_taken = 0x18, data_taken = 0x28;
-constexpr uint16_t patience = 1000;  // turns of the loop: some 0.5 ms, a byte takes 0.1
+constexpr uint8_t started = 0x08, data_taken = 0x28, data_came = 0x50, last_came = 0x58;
+constexpr uint8_t address_taken[] = {0x18, 0x40};  // to write, to read
+constexpr uint16_t patience = 1000;                // turns of the loop: some 0.5 ms, a byte takes 0.1
 
 void start_i2c() { TWBR = (F_CPU / 100000 - 16) / 2; }
 
@@ -138,13 +140,43 @@ bool i2c_byte(uint8_t byte, uint8_t wanted) {
   return i2c(0, wanted);
 }
 
+bool begin_dac(uint8_t axis, bool reads) {
+  const uint8_t address = static_cast<uint8_t>(dac_address[axis] << 1 | reads);
+  return i2c(_BV(TWSTA), started) && i2c_byte(address, address_taken[reads]);
+}
+
+// A DAC that a reset of the chip cut off amid a byte holds SDA low until it has been clocked to the byte's end.
+void free_bus() {
+  TWCR = 0;
+  for (uint8_t i = 0; i < 9 && !(PINC & _BV(PC4)); ++i) {
+    DDRC |= _BV(PC5);
+    _delay_us(5);
+    DDRC &= ~_BV(PC5);
+    _delay_us(5);
+  }
+}
+
+bool end_dac(bool fine) {
+  if (fine) TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
+  for (uint16_t i = 0; fine && (TWCR & _BV(TWSTO)); ++i) fine = i < patience;
+  if (!fine) free_bus();
+  return fine;
+}
+
 bool write_dac(uint8_t axis, const uint8_t* bytes, uint8_t count) {
-  bool taken = i2c(_BV(TWSTA), started) && i2c_byte(static_cast<uint8_t>(dac_address[axis] << 1), address_taken);
+  bool taken = begin_dac(axis, false);
   for (uint8_t i = 0; taken && i < count; ++i) taken = i2c_byte(bytes[i], data_taken);
-  TWCR = taken ? _BV(TWINT) | _BV(TWEN) | _BV(TWSTO) : 0;  // after a fault the bus is let go
-  for (uint16_t i = 0; taken && (TWCR & _BV(TWSTO)); ++i)
-    if (i >= patience) return false;
-  return taken;
+  return end_dac(taken);
+}
+
+bool read_dac(uint8_t axis, uint8_t* bytes, uint8_t count) {
+  bool came = begin_dac(axis, true);
+  for (uint8_t i = 0; came && i < count; ++i) {
+    const bool last = i + 1 == count;
+    came = i2c(last ? 0 : _BV(TWEA), last ? last_came : data_came);
+    bytes[i] = TWDR;
+  }
+  return end_dac(came);
 }
 
 bool set_dac(uint8_t axis, uint16_t code) {
@@ -152,10 +184,43 @@ bool set_dac(uint8_t axis, uint16_t code) {
   return write_dac(axis, bytes, 2);
 }
 
-// What it gives from power-up on.
-bool keep_in_dac(uint8_t axis, uint16_t code) {
-  const uint8_t bytes[] = {0x60, static_cast<uint8_t>(code >> 4), static_cast<uint8_t>((code & 0x0F) << 4)};
-  return write_dac(axis, bytes, 3);
+// -- what a DAC gives from power-up on: its own memory holds the neutral voltage -----------------------------------
+
+constexpr uint8_t most_attempts = 3;  // at writing it: the memory wears out
+uint8_t attempts[axes];
+bool kept[axes];
+
+void keep_anew() {
+  for (uint8_t i = 0; i < axes; ++i) {
+    kept[i] = false;
+    attempts[i] = 0;
+  }
+}
+
+enum class Memory : uint8_t { busy, right, wrong };
+
+Memory look_into(uint8_t axis, uint16_t code) {
+  uint8_t said[5];
+  if (!read_dac(axis, said, sizeof said) || !(said[0] & 0x80)) return Memory::busy;
+  const uint16_t word = static_cast<uint16_t>((said[3] & 0x6F) << 8 | said[4]);  // with its power-down mode
+  return word == code ? Memory::right : Memory::wrong;
+}
+
+// While it writes into its memory, a DAC takes no codes: so it is done at neutral alone.
+void keep_neutral(Joystick& joystick) {
+  if (!is_neutral(joystick.given()) || !joystick.output().enabled) return;
+  for (uint8_t i = 0; i < axes; ++i) {
+    if (kept[i]) continue;
+    const uint16_t code = joystick.output().code[i];
+    const Memory memory = look_into(i, code);
+    if (memory == Memory::busy) continue;
+    kept[i] = memory == Memory::right || attempts[i] == most_attempts;
+    if (kept[i]) joystick.dac_keeps(i, memory == Memory::right);
+    if (kept[i]) continue;
+    ++attempts[i];
+    const uint8_t bytes[] = {0x60, static_cast<uint8_t>(code >> 4), static_cast<uint8_t>((code & 0x0F) << 4)};
+    write_dac(i, bytes, sizeof bytes);
+  }
 }
 
 // -- what is stored: the calibration and its CRC, byte by byte -----------------------------------------------------
@@ -174,7 +239,7 @@ void store(const Calibration& calibration) {
   write_calibration(calibration, record);
   Writer(record + calibration_bytes).u16(crc16(record, calibration_bytes));
   to_write = record_bytes;
-  for (uint8_t i = 0; i < axes; ++i) keep_in_dac(i, calibration.output[i].neutral);
+  keep_anew();
 }
 
 // A byte takes 3.4 ms: one at a time. The CRC is written first, so that what is cut off is not sound.
@@ -196,15 +261,14 @@ void take_bytes(Joystick& joystick) {
 // The DACs get what is new at once, and all of it again every 10 ms: a DAC that was reset knows it again.
 void drive(Joystick& joystick, bool refresh) {
   static uint16_t last[axes];
+  static bool answered[axes];
   const Output output = joystick.output();
-  bool answered = true, wrote = false;
   for (uint8_t i = 0; i < axes; ++i) {
     if (!refresh && output.code[i] == last[i]) continue;
-    answered = set_dac(i, output.code[i]) && answered;
+    answered[i] = set_dac(i, output.code[i]);
     last[i] = output.code[i];
-    wrote = true;
   }
-  if (wrote) joystick.dac_answered(answered);
+  joystick.dac_answered(answered[0] && answered[1]);
   enable(joystick.output().enabled);
 }
 
@@ -241,6 +305,7 @@ int main() {
   start_i2c();
   Calibration stored;
   Joystick joystick(load(stored) ? &stored : nullptr);
+  joystick.look(read_pins(0));  // an emergency keeps the relay open from the start
   drive(joystick, true);
   start_clock();
   start_serial();
@@ -249,19 +314,19 @@ int main() {
   uint32_t watched = 0, looked = 0;
   uint8_t wire[most_wire];
   for (;;) {
-    wdt_reset();
     take_bytes(joystick);
     const uint32_t now = untorn(milliseconds);
     if (now != watched) joystick.watch(watched = now);
     const bool due = now - looked >= report_ms;
     if (due) joystick.look(read_pins(looked = now));
     drive(joystick, due);
+    if (due) keep_neutral(joystick);
     if (due) send(wire, joystick.report(now, wire));
-    const size_t count = joystick.identity(wire);
-    if (count != 0) send(wire, count);
+    if (due) wdt_reset();  // a clock that stands still, with commands that do not age, is a loop that hangs
     const Calibration* changed = joystick.to_store();
     if (changed != nullptr) store(*changed);
     write_on();
-    sleep_mode();  // until the next byte, edge or millisecond
+    if (to_write == 0) send(wire, joystick.identity(wire));  // what it says of a calibration is stored
+    sleep_mode();                                            // until the next byte, edge or millisecond
   }
 }

@@ -17,11 +17,11 @@ const char* name_of(joystick::State state) {
 }
 
 std::vector<std::string> names_of(std::uint16_t faults) {
-  static const std::pair<joystick::Fault, const char*> names[] = {{joystick::not_calibrated, "not calibrated"},
-                                                                  {joystick::forward_wire, "forward wire"},
-                                                                  {joystick::left_wire, "left wire"},
-                                                                  {joystick::dac_failed, "DAC"},
-                                                                  {joystick::bad_command, "bad command"}};
+  static const std::pair<joystick::Fault, const char*> names[] = {
+      {joystick::not_calibrated, "not calibrated"}, {joystick::forward_wire, "forward wire"},
+      {joystick::left_wire, "left wire"},           {joystick::dac_failed, "DAC"},
+      {joystick::bad_command, "bad command"},       {joystick::forward_memory, "forward DAC's memory"},
+      {joystick::left_memory, "left DAC's memory"}};
   std::vector<std::string> found;
   for (const auto& [bit, name] : names)
     if (faults & bit) found.emplace_back(name);
@@ -81,6 +81,9 @@ void bind_calibration(py::module_& m) {
 void bind_reading(py::module_& m) {
   py::class_<JoystickReading>(m, "JoystickReading", "What the newest report of the joystick's chip says.")
       .def_readonly("stamp", &JoystickReading::stamp, "[s] of time.monotonic(), when the stick was read")
+      .def_readonly("tick", &JoystickReading::tick, "[ms] of the chip's clock, the same; it wraps around at 32 bits")
+      .def_readonly("run", &JoystickReading::run,
+                    "how often the chip began anew, as far as can be told: edges of two runs do not compare")
       .def_readonly("forward", &JoystickReading::forward, "of the stick, in [-1, 1]")
       .def_readonly("left", &JoystickReading::left, "of the stick, in [-1, 1]")
       .def_readonly("adc", &JoystickReading::adc, "of both axes [counts]")
@@ -100,7 +103,8 @@ void bind_reading(py::module_& m) {
       .def_readonly("lost_reports", &LinkStatistics::lost_reports, "gaps in what the chip counts")
       .def_readonly("bad_frames", &LinkStatistics::bad_frames, "that came in and were none")
       .def_readonly("answers", &LinkStatistics::answers)
-      .def_readonly("connections", &LinkStatistics::connections, "begun with a report after there was none");
+      .def_readonly("connections", &LinkStatistics::connections,
+                    "begun with a report after there was none, or of a chip that began anew");
   py::class_<JoystickIdentity>(m, "JoystickIdentity", "Who the chip is.")
       .def_readonly("firmware", &JoystickIdentity::firmware, "version")
       .def_readonly("calibrated", &JoystickIdentity::calibrated)
@@ -117,6 +121,8 @@ void bind_link(py::module_& m) {
            "Opens a serial port and waits for the first report, `patience` [s] at the longest. DeviceError for a port "
            "that cannot be opened, and for one at which nothing, or something else, talks.")
       .def("read", &JoystickLink::read, without_gil(), "-> what the newest report says; None while there is none")
+      .def("take_readings", &JoystickLink::take_readings, without_gil(),
+           "-> all readings since this was called last, the oldest first: of the last 2 s at most")
       .def("command", &JoystickLink::command, py::arg("forward"), py::arg("left"),
            py::arg("duration") = JoystickSession::expiry, without_gil(),
            "What the chair is to do from now on, each in [-1, 1] of full output, for `duration` [s], .25 at the "
@@ -150,8 +156,11 @@ void bind_odometry(py::module_& m) {
       .def("update", &EncoderOdometry::update, py::arg("stamp"), py::arg("left"), py::arg("right"),
            "Takes counts read at `stamp` [s]; those of a stamp that is not later are not taken.")
       .def("reset", &EncoderOdometry::reset, "The next counts begin anew; the pose stays.")
-      .def_property_readonly("pose", &EncoderOdometry::pose, "T_odom_base")
-      .def_property_readonly("twist", &EncoderOdometry::twist, "[m/s, rad/s], the mean of the last window");
+      .def_property_readonly(
+          "pose", [](const EncoderOdometry& odometry) { return Pose2(odometry.pose()); }, "T_odom_base")
+      .def_property_readonly(
+          "twist", [](const EncoderOdometry& odometry) { return Twist2(odometry.twist()); },
+          "[m/s, rad/s], the mean of the last window");
 }
 
 }  // namespace

@@ -33,19 +33,16 @@ Twist2 EncoderOdometry::moved(const Counts& from, const Counts& to) const {
 void EncoderOdometry::update(double stamp, std::int32_t left, std::int32_t right) {
   require_finite("stamp", stamp, "s");
   const Counts now{stamp, left, right};
-  if (!last_) {
-    last_ = window_ = now;
-    twist_ = {};
-    return;
+  if (counts_.empty()) twist_ = {};
+  if (!counts_.empty()) {
+    if (stamp <= counts_.back().stamp) return;
+    pose_ = integrate(pose_, moved(counts_.back(), now), 1);
+    while (counts_.size() > 1 && stamp - counts_[1].stamp >= config_.window) counts_.pop_front();
+    const double passed = stamp - counts_.front().stamp;
+    const Twist2 way = moved(counts_.front(), now);
+    twist_ = {way.linear / passed, way.angular / passed};
   }
-  if (stamp <= last_->stamp) return;
-  pose_ = integrate(pose_, moved(*last_, now), 1);
-  last_ = now;
-  const double passed = stamp - window_->stamp;
-  if (passed < config_.window) return;
-  const Twist2 way = moved(*window_, now);
-  twist_ = {way.linear / passed, way.angular / passed};
-  window_ = now;
+  counts_.push_back(now);
 }
 
 }  // namespace lfdcore

@@ -45,7 +45,7 @@ void JoystickLink::close() {
 std::string JoystickLink::why_no_report() const {
   if (session_.met_other_version())
     return port_ + " speaks another version of the protocol: flash the firmware of this version of lfdcore";
-  if (session_.statistics().bad_frames > 0)
+  if (session_.hears_nonsense())
     return port_ + " sends something else than the joystick's firmware does: is it the right port, at " +
            std::to_string(baud) + " baud?";
   return port_ + " is silent: is the joystick's firmware on it (make -C firmware flash)?";
@@ -54,6 +54,11 @@ std::string JoystickLink::why_no_report() const {
 std::optional<JoystickReading> JoystickLink::read() const {
   const std::lock_guard lock(mutex_);
   return session_.newest();
+}
+
+std::vector<JoystickReading> JoystickLink::take_readings() {
+  const std::lock_guard lock(mutex_);
+  return session_.take_readings();
 }
 
 void JoystickLink::command(double forward, double left, double duration) {

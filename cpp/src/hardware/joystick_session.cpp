@@ -13,10 +13,19 @@ namespace {
 
 // The chip's clock may be so much slower or faster than the host's: a crystal's is 50 ppm, a resonator's 5000.
 constexpr double clock_error = 0.01;
+// [s] that two reports may be under way for differently
+constexpr double clock_jitter = 0.1;
+constexpr std::size_t most_readings = 2000 / report_ms;
 
 double share_of(std::int16_t value) { return static_cast<double>(value) / full; }
 
 std::int16_t count_of(double share) { return static_cast<std::int16_t>(std::lround(share * full)); }
+
+// Whether the chip may have counted on between two readings: its clock went on as the host's did.
+bool goes_on(const JoystickReading& before, const JoystickReading& now) {
+  const double passed = now.stamp - before.stamp, by_chip = (now.tick - before.tick) * 1e-3;
+  return std::abs(by_chip - passed) <= clock_error * passed + clock_jitter;
+}
 
 // -> whether it can be true: another firmware may have other numbers.
 bool read_report(const std::uint8_t* payload, Axes& stick, JoystickReading& said) {
@@ -53,13 +62,14 @@ std::vector<std::uint8_t> JoystickSession::take(const std::uint8_t* bytes, std::
   for (std::size_t i = 0; i < count; ++i) {
     if (!reader_.take(bytes[i], outcome, frame)) continue;
     if (outcome != Decoded::frame) {
-      ++statistics_.bad_frames;
+      count_bad_frame();
       other_version_ = other_version_ || outcome == Decoded::wrong_version;
       continue;
     }
-    count_sequence(frame.sequence);
     if (frame.type == FrameType::identity) take_identity(frame);
-    if (frame.type != FrameType::report || !take_report(frame, stamp)) continue;
+    const bool report = frame.type == FrameType::report && take_report(frame, stamp);
+    count_sequence(frame.sequence);
+    if (!report) continue;
     const std::vector<std::uint8_t> sent = answer();
     answers.insert(answers.end(), sent.begin(), sent.end());
   }
@@ -87,25 +97,43 @@ void JoystickSession::command(double forward, double left, double stamp, double 
 bool JoystickSession::take_report(const Frame& frame, double stamp) {
   JoystickReading said;
   if (!read_report(frame.payload, stick_, said)) {
-    ++statistics_.bad_frames;
+    count_bad_frame();
     return false;
   }
+  if (newest_ && static_cast<std::int32_t>(said.tick - newest_->tick) < 0) lose_link();  // the chip was reset
   said.stamp = stamp_of(said.tick, stamp);
-  if (!newest_) {
-    ++statistics_.connections;
-    not_neutral_ = said.tick;
-    happen(Event::link_made);
-  }
+  said.run = last_ ? last_->run + !goes_on(*last_, said) : 0;
+  if (!newest_) connect(said);
   if (newest_ && said.profile != newest_->profile) {
     not_neutral_ = said.tick;
     happen(Event::settings_changed);
   }
-  if (!is_neutral(stick_)) not_neutral_ = said.tick;
-  newest_ = said;
+  if (!is_neutral(stick_) || said.faults != 0) not_neutral_ = said.tick;
+  newest_ = last_ = said;
   came_ = stamp;
+  nonsense_ = false;
+  readings_.push_back(said);
+  if (readings_.size() > most_readings) readings_.pop_front();
   ++statistics_.reports;
   judge(stamp);
   return true;
+}
+
+void JoystickSession::connect(const JoystickReading& said) {
+  ++statistics_.connections;
+  not_neutral_ = said.tick;
+  happen(Event::link_made);
+}
+
+void JoystickSession::count_bad_frame() {
+  ++statistics_.bad_frames;
+  nonsense_ = true;
+}
+
+std::vector<JoystickReading> JoystickSession::take_readings() {
+  std::vector<JoystickReading> taken(readings_.begin(), readings_.end());
+  readings_.clear();
+  return taken;
 }
 
 // The quickest report tells how the clocks differ; what comes later than that was under way for longer. A clock that

@@ -133,9 +133,21 @@ class JoystickReading:
         """
 
     @property
+    def run(self) -> int:
+        """
+        how often the chip began anew, as far as can be told: edges of two runs do not compare
+        """
+
+    @property
     def stamp(self) -> float:
         """
         [s] of time.monotonic(), when the stick was read
+        """
+
+    @property
+    def tick(self) -> int:
+        """
+        [ms] of the chip's clock, the same; it wraps around at 32 bits
         """
 
 class LinkStatistics:
@@ -154,7 +166,7 @@ class LinkStatistics:
     @property
     def connections(self) -> int:
         """
-        begun with a report after there was none
+        begun with a report after there was none, or of a chip that began anew
         """
 
     @property
@@ -225,6 +237,11 @@ class JoystickLink:
         0 to 3; the stick is needed at neutral then. ValueError for another.
         """
 
+    def take_readings(self) -> list[JoystickReading]:
+        """
+        -> all readings since this was called last, the oldest first: of the last 2 s at most
+        """
+
     @property
     def fault(self) -> str:
         """
@@ -255,7 +272,7 @@ class WheelEncoders:
         right_radius: float = 0.0,
         track: float = 0.0,
         edges_per_turn: float = 0.0,
-        window: float = 0.1,
+        window: float = 0.05,
     ) -> None: ...
     def __repr__(self) -> str: ...
     @property

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, print_json
+from lfdcore.cli.live import EveryOption, bar, live_facts, usual_interval
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from lfdcore.hardware import JoystickCalibration, JoystickLink, JoystickReading
 
@@ -18,8 +19,13 @@ app = typer.Typer(help="What a chair's joystick says, and what its voltages mean
 
 Port = Annotated[str, typer.Argument(metavar="PORT", help="A serial port, as /dev/ttyACM0, or sim: a simulated chip.")]
 
-SUPPLY = 5.0
-"""[V] of the DACs"""
+RATE_OVER = 0.5
+"""[s] over which reports are counted, at least"""
+LEAST_SUPPLY, MOST_SUPPLY = 2.7, 5.5
+"""[V] that an MCP4725 can be fed with"""
+DAC_TOP = 4095
+USUAL_AXIS = (200, 512, 824, 20)
+"""[ADC counts] of a stick that is sound"""
 SETTLED = 1.0
 """[s] that the stick is watched in each place"""
 LEAST_DEAD_ZONE, TREMBLES = 12, 4
@@ -29,35 +35,39 @@ LEAST_DEAD_ZONE, TREMBLES = 12, 4
 @app.command()
 def monitor(
     port: Port,
-    every: Annotated[float, typer.Option(min=0.05, help="Seconds between the lines printed.")] = 0.5,
+    every: EveryOption = None,
     seconds: Annotated[float | None, typer.Option(min=0.1, help="Stop after so long. Default: Ctrl-C.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show axes, wheels, rates and faults of a joystick's chip, live."""
     from lfdcore.cli.ports import opened
 
-    with opened(port) as link:
-        for line in _lines(link, every, seconds):
+    with opened(port) as link, live_facts() as show:
+        for facts in _looks(link, every or usual_interval(0.5), seconds):
             if as_json:
-                print_json(line)
+                print_json(facts)
             else:
-                typer.echo("  ".join(f"{name} {value}" for name, value in line.items()))
+                show(_words(facts))
 
 
-def _lines(link: JoystickLink, every: float, seconds: float | None) -> Iterator[dict[str, object]]:
+def _looks(link: JoystickLink, every: float, seconds: float | None) -> Iterator[dict[str, object]]:
+    from lfdcore.wheelchair.link_trouble import link_trouble
+
     begin = time.monotonic()
     before, then = link.statistics.reports, begin
     while seconds is None or time.monotonic() - begin < seconds:
         time.sleep(every)
         said, statistics, now = link.read(), link.statistics, time.monotonic()
         rate = (statistics.reports - before) / (now - then)
-        before, then = statistics.reports, now
+        if now - then >= RATE_OVER:
+            before, then = statistics.reports, now
         yield {
             "state": link.state,
-            **({"why": link.fault} if said is None else _of(said)),
-            "reports/s": round(rate, 1),
+            **({} if said is None else _of(said)),
+            "reports/s": round(rate),
             "lost": statistics.lost_reports,
             "bad": statistics.bad_frames,
+            "why": link_trouble(link),
         }
 
 
@@ -67,11 +77,29 @@ def _of(said: JoystickReading) -> dict[str, object]:
         "left": round(said.left, 3),
         "adc": tuple(said.adc),
         "edges": tuple(said.edges),
+        "edges lost": said.lost_edges,
         "given": (round(said.given_forward, 3), round(said.given_left, 3)),
-        "faults": ", ".join(said.faults) or "none",
+        "profile": said.profile,
+        "faults": list(said.faults),
         "manual": said.manual,
         "emergency": said.emergency,
     }
+
+
+def _words(facts: Mapping[str, object]) -> dict[str, str]:
+    words = {name: _word(value) for name, value in facts.items()}
+    for axis in ("forward", "left"):
+        if axis in facts:
+            words[axis] = f"{facts[axis]:+.3f} {bar(float(str(facts[axis])))}"
+    return words
+
+
+def _word(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, tuple | list):
+        return ", ".join(map(str, value)) or "none"
+    return str(value)
 
 
 @app.command()
@@ -84,6 +112,7 @@ def calibrate(
     left_output: Annotated[
         str, typer.Option(help="MINUS,NEUTRAL,PLUS [V]: fully to the right, stand still, fully to the left.")
     ],
+    supply: Annotated[float, typer.Option(help="Of the DACs [V], measured: their outputs are shares of it.")],
     profiles: Annotated[str, typer.Option(help="Of full output, in % of each of four profiles.")] = "100,100,100,100",
 ) -> None:
     """Ask for the stick's places one by one, and store what they mean in the chip. Measure the controller's voltages at
@@ -91,8 +120,13 @@ def calibrate(
     from lfdcore.cli.ports import opened
     from lfdcore.hardware import JoystickCalibration
 
-    outputs = [_codes("--forward-output", forward_output), _codes("--left-output", left_output)]
-    percent = _numbers("--profiles", profiles, 4)
+    if not LEAST_SUPPLY <= supply <= MOST_SUPPLY:
+        raise typer.BadParameter(f"--supply is {supply:g} V, must lie in [{LEAST_SUPPLY:g}, {MOST_SUPPLY:g}] V")
+    outputs = [_codes("--forward-output", forward_output, supply), _codes("--left-output", left_output, supply)]
+    percent = _percent("--profiles", profiles)
+    JoystickCalibration(
+        axes=[USUAL_AXIS, USUAL_AXIS], outputs=outputs, profiles=percent
+    )  # refused before anybody moves
     with opened(port) as link:
         centre = _watch(link, "Let the stick go.")
         ends = [
@@ -103,7 +137,7 @@ def calibrate(
         made = JoystickCalibration(
             axes=[(back, centre[0][1], ahead, dead[0]), (right, centre[1][1], left, dead[1])],
             outputs=outputs,
-            profiles=[round(value) for value in percent],
+            profiles=percent,
         )
         link.calibrate(made)
         _tell(made)
@@ -130,13 +164,21 @@ def _watch(link: JoystickLink, what: str) -> list[tuple[int, int, int]]:
     return [(min(axis), sorted(axis)[len(axis) // 2], max(axis)) for axis in zip(*seen, strict=True)]
 
 
-def _codes(option: str, text: str) -> tuple[int, int, int]:
+def _codes(option: str, text: str, supply: float) -> tuple[int, int, int]:
     volts = _numbers(option, text, 3)
     for value in volts:
-        if not 0 <= value <= SUPPLY:
-            raise typer.BadParameter(f"{option} has {value:g} V, must lie in [0, {SUPPLY:g}] V")
-    minus, neutral, plus = (round(value / SUPPLY * 4095) for value in volts)
+        if not 0 <= value <= supply:
+            raise typer.BadParameter(f"{option} has {value:g} V, must lie in [0, {supply:g}] V, the supply's")
+    minus, neutral, plus = (round(value / supply * DAC_TOP) for value in volts)
     return minus, neutral, plus
+
+
+def _percent(option: str, text: str) -> list[int]:
+    percent = _numbers(option, text, 4)
+    for value in percent:
+        if not (1 <= value <= 100 and value == round(value)):
+            raise typer.BadParameter(f"{option} has {value:g} %, must be a whole number from 1 to 100")
+    return [round(value) for value in percent]
 
 
 def _numbers(option: str, text: str, count: int) -> list[float]:

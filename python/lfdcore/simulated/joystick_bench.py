@@ -67,6 +67,8 @@ class Outputs:
     dac_stamps: tuple[float, float]
     """[s] when each was written last; 0 for never"""
     dac_writes: tuple[int, int]
+    dac_eeprom: tuple[int, int]
+    """what each gives from its next power-up on"""
     enable: bool
     """the chair's controller gets the DACs' voltages"""
     enable_stamp: float
@@ -91,9 +93,10 @@ class Event:
     stamp: float
     """[s] of the chip's clock, exact to a cycle of 62.5 ns"""
     what: str
-    """"dac0", "dac1", "enable", "uart", "reset" or "power" """
+    """"adc0", "adc1", "dac0", "dac1", "enable", "uart", "reset" or "power" """
     value: str
-    """a code 0 to 4095; "0" or "1"; a byte as two hexadecimal digits; a cause as in ResetCounts"""
+    """what the ADC reads, 0 to 1023; a code 0 to 4095; "0" or "1"; a byte as two hexadecimal digits; a cause
+    as in ResetCounts"""
 
 
 def packaged(name: str) -> Path:
@@ -232,9 +235,9 @@ class JoystickBench:
         low, for ever or until the chip makes so many `clocks` on SCL as a port pin."""
         self.command(f"i2c dac{dac} {state}" + (f" {clocks}" if clocks else ""))
 
-    def set_dac_eeprom(self, dac: int, code: int) -> None:
-        """What a DAC gives at its next power-up, 0 to 4095; 2048 at first."""
-        self.command(f"dac_eeprom dac{dac} {code}")
+    def set_dac_eeprom(self, dac: int, code: int, *, worn: bool = False) -> None:
+        """What a DAC gives at its next power-up, 0 to 4095; 2048 at first. Worn: it takes no other code."""
+        self.command(f"dac_eeprom dac{dac} {code} {'worn' if worn else 'sound'}")
 
     def cut_cable(self, cut: bool = True) -> None:
         """Cuts the serial cable, or joins it."""
@@ -265,7 +268,8 @@ class JoystickBench:
         self.command(f"hang {'main' if interrupts_served else 'all'}")
 
     def trace(self, on: bool = True) -> None:
-        """From now on `events` gets each change of the DACs and the enable line, and each reset."""
+        """From now on `take_events` gives each change of what the ADC reads, of the DACs and of the enable line, and
+        each reset."""
         self.command(f"trace {'on' if on else 'off'}")
 
     def outputs(self) -> Outputs:
@@ -276,6 +280,7 @@ class JoystickBench:
             dac=(said["dac"][0], said["dac"][1]),
             dac_stamps=(said["dac_time_us"][0] * 1e-6, said["dac_time_us"][1] * 1e-6),
             dac_writes=(said["dac_writes"][0], said["dac_writes"][1]),
+            dac_eeprom=(said["dac_eeprom"][0], said["dac_eeprom"][1]),
             enable=bool(said["enable"]),
             enable_stamp=said["enable_time_us"] * 1e-6,
             edges=(said["edges"][0], said["edges"][1]),

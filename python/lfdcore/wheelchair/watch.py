@@ -156,7 +156,7 @@ class Watch:
 
     def _latched(self, mode: str | None, observation: Observation) -> str | None:
         """A mode that only a stick at neutral ends, kept until then."""
-        if mode is not None or _is_neutral(observation):
+        if mode is not None or is_neutral(observation):
             self._until_neutral = mode
         return self._until_neutral
 
@@ -370,5 +370,6 @@ def _stick_is_sound(observation: Observation) -> bool:
     return math.isfinite(observation.stamp) and all(abs(axis) <= 1 for axis in observation.joystick)
 
 
-def _is_neutral(observation: Observation) -> bool:
+def is_neutral(observation: Observation) -> bool:
+    """Whether the stick is let go, as far as is known."""
     return math.hypot(*observation.joystick) < DEAD_ZONE

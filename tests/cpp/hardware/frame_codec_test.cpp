@@ -198,7 +198,7 @@ struct Share {
     const double z = 1.96, m = static_cast<double>(n);
     const double middle = (value + z * z / (2 * m)) / (1 + z * z / m);
     const double half = z * std::sqrt(value * (1 - value) / m + z * z / (4 * m * m)) / (1 + z * z / m);
-    low = middle - half;
+    low = std::max(0.0, middle - half);
     high = middle + half;
   }
 };

@@ -88,6 +88,51 @@ TEST(JoystickFirmware, a_broken_or_short_wire_is_neutral_at_once_and_a_fault_wit
     }
 }
 
+// hazard: The stick's wires break | requirement: what a broken wire can read is no end of a stick | count: 50 readings
+TEST(JoystickFirmware, no_calibration_lets_a_broken_wire_or_a_lost_ground_look_like_a_stick) {
+  for (const std::uint16_t minus : {51, 972}) {
+    const std::uint16_t plus = minus == 51 ? 972 : 51;
+    Calibration widest = usual;
+    widest.axis[0] = {minus, 512, plus, 20};
+    ASSERT_TRUE(is_sound(widest));
+    for (std::uint16_t count = 0; count < 25; ++count) {
+      EXPECT_FALSE(is_plausible(widest.axis[0], count));
+      EXPECT_FALSE(is_plausible(widest.axis[0], adc_top - count));
+    }
+    widest.axis[0] = {static_cast<std::uint16_t>(minus == 51 ? 50 : 973), 512, plus, 20};
+    EXPECT_FALSE(is_sound(widest));
+  }
+}
+
+// hazard: The stick's wires break | requirement: one that is broken now and then is a fault | count: 3 rhythms
+TEST(JoystickFirmware, a_wire_that_is_broken_now_and_then_is_a_fault) {
+  for (const int whole : {10, 20, 30}) {
+    Bench bench;
+    bench.set_off();
+    for (int i = 0; i < 25 && bench.chip.state() != State::fault; ++i) {
+      bench.stick(broken);
+      bench.run_answered(10, {full, 0});
+      bench.stick(ahead);
+      bench.run_answered(whole, {full, 0});
+    }
+    EXPECT_EQ(bench.chip.state(), State::fault) << whole;
+  }
+}
+
+TEST(JoystickFirmware, after_a_fault_the_stick_must_be_at_neutral_for_as_long_as_ever) {
+  Bench bench;
+  bench.set_off();
+  bench.stick(broken);
+  bench.run_answered(100, {full, 0});
+  bench.stick(centre);
+  while (bench.chip.state() == State::fault) bench.run_answered(10, {full, 0});
+  bench.run_answered(neutral_ms - 20, {full, 0});
+  EXPECT_EQ(bench.chip.state(), State::neutral_required);
+  bench.stick(ahead);
+  bench.run_answered(1000, {full, 0});
+  EXPECT_TRUE(is_zero(bench.chip.output()));
+}
+
 TEST(JoystickFirmware, a_command_out_of_range_is_a_fault_until_neutral) {
   Bench bench;
   bench.set_off();

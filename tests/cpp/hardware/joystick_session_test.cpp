@@ -83,6 +83,41 @@ TEST(JoystickSession, it_drives_on_when_the_chips_clock_wraps_around_after_49_da
   EXPECT_FALSE(pair.stands());
 }
 
+TEST(JoystickSession, a_chip_that_was_reset_is_another_connection_and_another_run_however_quickly_it_is_back) {
+  Pair pair;
+  pair.set_off();
+  const long run = pair.pc.newest()->run;
+  pair.chip = Bench();
+  pair.run(20);
+  EXPECT_EQ(pair.pc.statistics().connections, 2);
+  EXPECT_EQ(pair.pc.statistics().lost_reports, 0);
+  EXPECT_EQ(pair.pc.newest()->run, run + 1);
+  EXPECT_EQ(pair.pc.state(), State::neutral_required);
+}
+
+TEST(JoystickSession, a_chip_that_counted_on_behind_a_cut_cable_is_the_same_run) {
+  Pair pair;
+  pair.set_off();
+  pair.pc.take_readings();
+  pair.to_pc.cut = true;
+  pair.run(700);
+  EXPECT_TRUE(pair.pc.take_readings().empty());
+  pair.to_pc.cut = false;
+  pair.run(100);
+  const std::vector<JoystickReading> readings = pair.pc.take_readings();
+  EXPECT_EQ(readings.size(), 10u);
+  EXPECT_EQ(readings.back().run, 0);
+  EXPECT_EQ(pair.pc.statistics().connections, 2);
+}
+
+TEST(JoystickSession, readings_that_nobody_takes_are_those_of_two_seconds) {
+  Pair pair;
+  pair.run(5000);
+  const std::vector<JoystickReading> readings = pair.pc.take_readings();
+  EXPECT_EQ(readings.size(), 200u);
+  EXPECT_EQ(readings.back().tick, pair.pc.newest()->tick);
+}
+
 TEST(JoystickSession, a_report_of_what_cannot_be_is_none) {
   const struct {
     std::size_t at;

@@ -18,6 +18,7 @@ from lfdcore.simulated.bench_world import CALIBRATION, WHEELS, BenchWorld
 from lfdcore.simulated.courses import home
 from lfdcore.simulated.drivers import DriverInput
 from lfdcore.simulated.joystick_bench import packaged
+from lfdcore.wheelchair.counted_way import CountedWay
 from lfdcore.wheelchair.linked_chair import LinkedChair
 
 
@@ -51,8 +52,11 @@ def test_the_monitor_says_what_the_stick_says(
     )
     assert code == 0, err
     said = json.loads(out)
-    assert said["faults"] == "none"
+    assert said["faults"] == []
     assert abs(said["adc"][0] - 512) <= 1
+
+
+CALIBRATE = ["joystick", "calibrate", "sim", "--left-output", "1,2,3", "--forward-output", "1,2,3", "--supply", "5"]
 
 
 @pytest.mark.parametrize(
@@ -62,8 +66,13 @@ def test_the_monitor_says_what_the_stick_says(
         (["drive", "--port", "sim", "--scan", "scip:/dev/x"], "give no --scan"),
         (["drive", "--port", "sim", "--assistant", "nobody"], "nobody"),
         (["joystick", "monitor", "/dev/nothing"], "/dev/nothing"),
-        (["joystick", "calibrate", "sim", "--forward-output", "1,2", "--left-output", "1,2,3"], "3 numbers"),
-        (["joystick", "calibrate", "sim", "--forward-output", "1,2,9", "--left-output", "1,2,3"], "9 V"),
+        ([*CALIBRATE, "--forward-output", "1,2"], "3 numbers"),
+        ([*CALIBRATE, "--forward-output", "1,2,9"], "9 V"),
+        ([*CALIBRATE, "--forward-output", "1,nan,3"], "nan V"),
+        ([*CALIBRATE, "--forward-output", "2,1,3"], "the calibration is not sound"),
+        ([*CALIBRATE, "--supply", "9"], "must lie in [2.7, 5.5] V"),
+        ([*CALIBRATE, "--profiles", "0,50,100,100"], "0 %, must be a whole number from 1 to 100"),
+        ([*CALIBRATE, "--profiles", "300,50,100,100"], "300 %"),
     ],
 )
 def test_what_cannot_be_driven_says_why(
@@ -79,7 +88,7 @@ def test_in_a_slower_profile_the_chair_says_what_it_was_commanded() -> None:
     slow = JoystickCalibration(axes=CALIBRATION.axes, outputs=CALIBRATION.outputs, profiles=[50, 100, 100, 100])
     with simulated_chip() as (bench, link), BenchWorld(bench, home(), StickAhead(), 1) as world:
         link.calibrate(slow)
-        chair = LinkedChair(link, WHEELS, world, world.geometry())
+        chair = LinkedChair(link, CountedWay(WHEELS), world, world.geometry())
         world.ask_neutral(True)
         wait_until(lambda: link.state in {"driving", "ready"})
         world.ask_neutral(False)

@@ -118,6 +118,48 @@ def test_the_calibration_is_kept_through_a_power_cycle_and_both_dacs_begin_at_ne
     chip.set_off()
 
 
+@pytest.mark.hazard(
+    "The chip fails", "from power-up on each DAC gives neutral by itself, also a new one, and after two calibrations"
+)
+def test_each_dac_keeps_the_neutral_voltage_in_its_own_memory(chip: Chip) -> None:
+    bench = chip.bench
+    assert bench.outputs().dac_eeprom == NEUTRAL
+    for neutral in (2100, 2200):  # the second while the first is still being stored
+        bench.send(
+            frame("set_calibration", CALIBRATION.pack(*ENDS[:8], 1000, neutral, 3096, 1000, 2048, 3096, *ENDS[14:]))
+        )
+        chip.run(0.02)
+    chip.run(0.3)
+    assert bench.outputs().dac_eeprom == (2200, 2048)
+    bench.set_power(False)
+    bench.set_dac_eeprom(1, 4095)
+    bench.set_power(True)
+    chip.run(0.5)
+    assert bench.outputs().dac_eeprom == (2200, 2048)
+
+
+def test_a_dac_whose_memory_takes_nothing_is_a_fault(chip: Chip) -> None:
+    bench = chip.bench
+    bench.set_dac_eeprom(0, 4095, worn=True)
+    bench.reset()
+    chip.run(1.0)
+    assert chip.latest["faults"] == 32
+    assert chip.stands
+    bench.set_dac_eeprom(0, NEUTRAL[0])
+    bench.reset()
+    chip.run(0.5)
+    chip.set_off()
+
+
+def test_a_bus_that_a_dac_holds_is_freed(chip: Chip) -> None:
+    chip.set_off()
+    chip.bench.set_dac_bus(0, "stuck", clocks=9)
+    assert chip.seconds_until_it_stands() <= 0.115
+    chip.run(0.5)
+    assert chip.latest["faults"] == 0
+    chip.set_off()
+
+
 def test_what_is_cut_off_while_it_is_stored_is_no_calibration() -> None:
     with JoystickBench(free=True) as bench:
         bench.run(0.2)
@@ -173,6 +215,38 @@ def test_a_broken_wire_is_neutral_at_once(chip: Chip, volts: float) -> None:
     assert chip.seconds_until_it_stands() <= 0.025
     chip.run(0.1)
     assert chip.latest["faults"] == 2
+
+
+def test_a_stick_that_lost_its_ground_is_a_broken_wire(chip: Chip) -> None:
+    chip.set_off()
+    supplied = 5 * 100 / (100 + 5 / 2)  # [V] at 5 kilohm and a pull-down of 100
+    chip.bench.set_stick(supplied, supplied)
+    assert chip.seconds_until_it_stands() <= 0.025
+    chip.run(0.1)
+    assert chip.latest["faults"] == 2 + 4
+
+
+def test_a_reset_does_not_close_the_relay_while_the_emergency_is_pressed(chip: Chip) -> None:
+    chip.bench.set_button("emergency", True)
+    chip.run(0.05)
+    chip.bench.trace()
+    chip.bench.take_events()
+    chip.bench.reset()
+    chip.bench.run(0.2)
+    assert [event for event in chip.bench.take_events() if (event.what, event.value) == ("enable", "1")] == []
+
+
+def test_a_dac_that_answers_does_not_excuse_the_other(chip: Chip) -> None:
+    chip.set_off()
+    chip.bench.trace()
+    chip.bench.set_dac_bus(1, "absent")
+    chip.run(0.02)
+    chip.bench.take_events()
+    for wanted in (4000, 3000, 2000):
+        chip.wanted = wanted
+        chip.run(0.03)
+    assert [event for event in chip.bench.take_events() if event.what == "enable"] == []
+    assert not chip.bench.outputs().enable
 
 
 def test_the_emergency_button_opens_the_relay(chip: Chip) -> None:

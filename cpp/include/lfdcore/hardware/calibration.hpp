@@ -12,8 +12,9 @@ constexpr int16_t full = 10000;
 
 constexpr uint16_t adc_top = 1023, dac_top = 4095;
 /// [ADC counts] beyond the calibrated ends at which a wire is broken or short. The ends keep away from 0 and the top by
-/// more, so that either is found.
-constexpr uint16_t adc_guard = 15;
+/// more than twice as much: a broken wire reads up to 2.4 % of the supply, and one at a stick that lost its ground 97.5
+/// %.
+constexpr uint16_t adc_guard = 25;
 constexpr uint16_t least_adc_span = 50, least_dac_span = 100;
 
 /// One axis of the stick [ADC counts]: which way it is wired does not matter.
@@ -92,8 +93,8 @@ inline bool lies_between(uint16_t minus, uint16_t middle, uint16_t plus, uint16_
 inline bool is_sound(const AxisCalibration& axis) {
   const uint16_t low = lesser(axis.minus, axis.plus), high = greater(axis.minus, axis.plus);
   const uint16_t shorter = lesser(distance(axis.minus, axis.centre), distance(axis.centre, axis.plus));
-  return lies_between(axis.minus, axis.centre, axis.plus, least_adc_span) && low > adc_guard &&
-         high < adc_top - adc_guard && axis.dead_zone <= shorter / 2;
+  return lies_between(axis.minus, axis.centre, axis.plus, least_adc_span) && low > 2 * adc_guard &&
+         high < adc_top - 2 * adc_guard && axis.dead_zone <= shorter / 2;
 }
 
 inline bool is_sound(const OutputCalibration& output) {

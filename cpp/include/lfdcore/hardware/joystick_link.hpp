@@ -31,6 +31,9 @@ class JoystickLink {
   /// What the newest report says; nothing while there is none.
   std::optional<JoystickReading> read() const;
 
+  /// All readings since this was called last, the oldest first: of the last 2 s at most.
+  std::vector<JoystickReading> take_readings();
+
   /// What the chair is to do from now on, as JoystickSession::command.
   void command(double forward, double left, double duration = JoystickSession::expiry);
 

@@ -18,6 +18,7 @@ namespace lfdcore {
 struct JoystickReading {
   double stamp = 0;        ///< [s] of the host's clock, when the stick was read: never after the report came
   std::uint32_t tick = 0;  ///< [ms] of the chip's clock, the same
+  long run = 0;            ///< how often the chip began anew, as far as can be told: edges of two runs do not compare
   double forward = 0, left = 0;
   std::array<std::uint16_t, 2> adc{};        ///< [counts] of both axes
   std::array<std::int32_t, 2> edges{};       ///< of the left and the right wheel's encoder; wraps around
@@ -35,14 +36,15 @@ struct LinkStatistics {
   long lost_reports = 0;  ///< gaps in what the chip counts
   long bad_frames = 0;    ///< that came in and were none
   long answers = 0;
-  long connections = 0;  ///< begun with a report after there was none
+  long connections = 0;  ///< begun with a report after there was none, or of a chip that began anew
 };
 
 namespace joystick {
 /// What is_sound asks for, as an error says it.
 constexpr const char* sound_calibration =
     "the calibration is not sound: each axis needs its centre between both ends, 50 counts or more from each, ends "
-    "from 16 to 1007 and a dead zone of at most half of the way; each output neutral between both ends, 100 codes or "
+    "from 51 to 972 (5 to 95 % of the supply) and a dead zone of at most half of the way; each output neutral between "
+    "both ends, 100 codes or "
     "more "
     "from each, up to 4095; each profile 1 to 100 %";
 }  // namespace joystick
@@ -83,10 +85,14 @@ class JoystickSession {
   std::vector<std::uint8_t> select_profile(std::uint8_t profile);
 
   joystick::State state() const { return state_; }
+  /// All readings since this was called last, the oldest first: of the last 2 s at most.
+  std::vector<JoystickReading> take_readings();
   /// Nothing while disconnected.
   const std::optional<JoystickReading>& newest() const { return newest_; }
   const std::optional<JoystickIdentity>& identity() const { return identity_; }
   const LinkStatistics& statistics() const { return statistics_; }
+  /// Whether what came since the last report were no frames.
+  bool hears_nonsense() const { return nonsense_; }
   /// Of the protocol, if a frame of another version came in: then the firmware is another one's.
   bool met_other_version() const { return other_version_; }
 
@@ -99,6 +105,8 @@ class JoystickSession {
   void happen(joystick::Event event) { state_ = joystick::next(state_, event); }
   std::vector<std::uint8_t> frame(joystick::FrameType type, const std::uint8_t* payload);
   bool take_report(const joystick::Frame& frame, double stamp);
+  void count_bad_frame();
+  void connect(const JoystickReading& said);
   void take_identity(const joystick::Frame& frame);
   void judge(double stamp);
   std::vector<std::uint8_t> answer();
@@ -108,6 +116,8 @@ class JoystickSession {
   joystick::FrameReader reader_;
   joystick::State state_ = joystick::State::disconnected;
   std::optional<JoystickReading> newest_;
+  std::optional<JoystickReading> last_;  // also while disconnected
+  std::deque<JoystickReading> readings_;
   std::optional<JoystickIdentity> identity_;
   std::optional<Wanted> wanted_;
   LinkStatistics statistics_;
@@ -117,7 +127,7 @@ class JoystickSession {
   joystick::Axes stick_{0, 0};
   std::uint32_t not_neutral_ = 0;  // tick of the last report with the stick out
   std::uint8_t sequence_ = 0;
-  bool bad_command_ = false, other_version_ = false;
+  bool bad_command_ = false, other_version_ = false, nonsense_ = false;
 };
 
 }  // namespace lfdcore

@@ -38,8 +38,10 @@ constexpr uint32_t command_ms = 100;
 constexpr uint32_t neutral_ms = 200;
 /// [ms] between two reports, and two readings of the stick
 constexpr uint32_t report_ms = 10;
-/// Readings of the stick beyond its ends, in a row, that are a broken wire: 30 ms
-constexpr uint8_t wire_readings = 3;
+/// A reading of the stick beyond its ends adds so much to the doubt in its wire, another takes 1 away ...
+constexpr uint8_t wire_weight = 4;
+/// ... and this much is a broken wire, until the doubt is gone: three readings in a row, or a third of many.
+constexpr uint8_t wire_doubt = 12;
 
 inline State next(State state, Event event) {
   constexpr State N = State::neutral_required, R = State::ready, D = State::driving, F = State::fault,
@@ -65,6 +67,8 @@ enum Fault : uint16_t {
   left_wire = 4,
   dac_failed = 8,  ///< a DAC does not answer
   bad_command = 16,
+  forward_memory = 32,  ///< the axis's DAC does not keep its neutral voltage through a power-up
+  left_memory = 64,
 };
 
 /// Of stick or output: -full to full.

@@ -4,14 +4,17 @@ import copy
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lfdcore.errors import DataError
-from lfdcore.geometry import Pose2
+from lfdcore.geometry import Pose2, Twist2
+from lfdcore.grid import LaserScan
 from lfdcore.hardware import EncoderOdometry, WheelEncoders
+from lfdcore.wheelchair.assistants import Supervised
 from lfdcore.wheelchair.chair_file import read_chair_file
 from lfdcore.wheelchair.manual_override import ManualOverride
 from lfdcore.wheelchair.observation import Assistance, ChairGeometry, Observation
@@ -28,20 +31,31 @@ def written(folder: Path, told: object) -> Path:
 
 def test_the_file_of_the_page_is_the_thesiss_chair(tmp_path: Path) -> None:
     told = read_chair_file(written(tmp_path, TOLD))
-    assert told.geometry(0.025) == ChairGeometry.thesis(Pose2(0.7, 0.0, 0.0))
+    assert told.geometry(told.scanners["front"].T_base_laser, 0.025) == ChairGeometry.thesis(Pose2(0.7, 0.0, 0.0))
     assert told.wheels.track == 0.56
 
 
 @pytest.mark.parametrize("part", sorted(TOLD))
 def test_nothing_that_is_missing_is_assumed(part: str, tmp_path: Path) -> None:
-    for name in TOLD[part]:
+    inside = TOLD[part]["front"] if part == "scanners" else TOLD[part]
+    for name in inside:
         told = copy.deepcopy(TOLD)
-        del told[part][name]
-        with pytest.raises(DataError, match=f"{part} lacks {name}"):
+        del (told[part]["front"] if part == "scanners" else told[part])[name]
+        with pytest.raises(DataError, match=rf"{part}(\.front)? lacks {name}"):
             read_chair_file(written(tmp_path, told))
     told = {key: value for key, value in TOLD.items() if key != part}
     with pytest.raises(DataError, match=f"lacks {part}"):
         read_chair_file(written(tmp_path, told))
+
+
+def test_a_scanner_that_is_tilted_or_that_there_is_none_of_is_refused(tmp_path: Path) -> None:
+    told = copy.deepcopy(TOLD)
+    told["scanners"]["front"]["roll_degrees"] = 10
+    with pytest.raises(DataError, match=r"scanners\.front\.roll_degrees is 10"):
+        read_chair_file(written(tmp_path, told))
+    for none in ({}, [], None):
+        with pytest.raises(DataError, match="scanners is"):
+            read_chair_file(written(tmp_path, {**TOLD, "scanners": none}))
 
 
 @pytest.mark.parametrize("value", ["1", None, True, math.nan, [1]])
@@ -87,6 +101,8 @@ def test_wheels_of_nobody_are_refused() -> None:
 
 
 class Saying:
+    """An assistant whose command tells that it was asked."""
+
     chair = ChairGeometry.thesis()
 
     def __init__(self, name: str) -> None:
@@ -97,25 +113,43 @@ class Saying:
         self.resets += 1
 
     def update(self, observation: Observation) -> Assistance:
-        raise AssertionError(self.name)
+        return Assistance(Twist2(0.4, 0.0), self.name)
 
 
-def test_the_manual_button_puts_the_assistant_aside(seen: Observation) -> None:
-    pressed = True
+@pytest.mark.hazard("The manual button is pressed", "whoever takes over begins anew, at neutral", each="2 changes")
+def test_the_manual_button_puts_the_assistant_aside_once_the_stick_was_at_neutral(seen: Observation) -> None:
+    button = {"pressed": False}
     learned = Saying("learned")
-    override = ManualOverride(learned, lambda: pressed)
-    assert override.update(seen).mode in {"user", "stale", "silent"}
-    pressed = False
-    with pytest.raises(AssertionError, match="learned"):
-        override.update(seen)
+    override = ManualOverride(learned, lambda: button["pressed"])
+    held = replace(seen, joystick=(1.0, 0.0))
+    assert override.update(held).mode == "learned"
+    for pressed, taking_over in ((True, "user"), (False, "learned")):
+        button["pressed"] = pressed
+        for _ in range(3):
+            waiting = override.update(held)
+            assert (waiting.command, waiting.mode) == (Twist2(), "silent")
+        assert override.update(seen).mode == taking_over
     assert learned.resets == 1
+
+
+def test_a_manual_button_that_flickers_lets_nothing_move(seen: Observation) -> None:
+    presses = iter([True, False] * 20)
+    override = ManualOverride(Saying("learned"), lambda: next(presses))
+    held = replace(seen, joystick=(1.0, 0.0))
+    assert {override.update(held).mode for _ in range(40)} == {"silent"}
+
+
+def test_what_is_a_fault_is_not_ended_by_the_manual_button(seen: Observation) -> None:
+    pressed = False
+    override = ManualOverride(Supervised(ChairGeometry.thesis()), lambda: pressed)
+    assert override.update(replace(seen, joystick=(2.0, 0.0))).mode == "fault"
+    pressed = True
+    held = replace(seen, stamp=0.1, joystick=(1.0, 0.0))
+    assert override.update(held).command == Twist2()
 
 
 @pytest.fixture
 def seen() -> Observation:
-    from lfdcore.geometry import Twist2
-    from lfdcore.grid import LaserScan
-
     return Observation(
         stamp=0.0,
         scan=LaserScan([2.0] * 181, -math.pi / 2, math.pi / 180),
