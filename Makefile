@@ -67,7 +67,8 @@ figures: $(VENV)/.installed-test
 safety: $(VENV)/.installed-test
 	LFDCORE_LINK_SCHEDULES=$(LINK_SCHEDULES) LFDCORE_WIRE_ERRORS=$(WIRE_ERRORS) LFDCORE_RANDOM_BYTES=$(RANDOM_BYTES) \
 	  LFDCORE_REPLUG_CYCLES=$(REPLUG_CYCLES) build/release/lfdcore_tests --gtest_filter='*FrameCodec*:Joystick*:LinkState.*'
-	LFDCORE_CHIP_SCHEDULES=$(CHIP_SCHEDULES) $(BIN)/python -m pytest tests/py/hardware/test_joystick_chip.py
+	LFDCORE_CHIP_SCHEDULES=$(CHIP_SCHEDULES) $(BIN)/python -m pytest -s tests/py/hardware/test_joystick_chip.py
+	$(BIN)/python benchmarks/bench_joystick_link.py
 	LFDCORE_STAMP_SCHEDULES=$(SAFETY_SCHEDULES) $(BIN)/python -m pytest -n 2 tests/py/wheelchair/test_stamps.py
 	$(BIN)/lfdcore study safety --output safety --assistants none,supervisor,primitives,heatmaps \
 	  --model python/lfdcore/models/primitives.safetensors --model python/lfdcore/models/heatmaps.safetensors \
