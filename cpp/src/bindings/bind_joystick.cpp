@@ -1,3 +1,6 @@
+#include <limits>
+#include <memory>
+
 #include "common.hpp"
 #include "fields.hpp"
 #include "lfdcore/hardware/encoder_odometry.hpp"
@@ -23,19 +26,29 @@ std::vector<std::string> names_of(std::uint16_t faults) {
       {joystick::bad_command, "bad command"},       {joystick::forward_memory, "forward DAC's memory"},
       {joystick::left_memory, "left DAC's memory"}};
   std::vector<std::string> found;
-  for (const auto& [bit, name] : names)
+  for (const auto& [bit, name] : names) {
     if (faults & bit) found.emplace_back(name);
+    faults = static_cast<std::uint16_t>(faults & ~bit);
+  }
+  if (faults != 0) found.emplace_back("unknown");
   return found;
 }
 
-Calibration calibration_of(const std::array<AxisEnds, 2>& axes, const std::array<OutputEnds, 2>& outputs,
-                           const std::array<std::uint8_t, 4>& profiles) {
+template <typename Small>
+Small small(const char* name, long value) {
+  require_between(name, value, 0, std::numeric_limits<Small>::max(), "");
+  return static_cast<Small>(value);
+}
+
+Calibration calibration_of(const std::array<std::array<long, 4>, 2>& axes,
+                           const std::array<std::array<long, 3>, 2>& outputs, const std::array<long, 4>& profiles) {
   Calibration made{};
+  const auto counts = [](long value) { return small<std::uint16_t>("a count or code of the calibration", value); };
   for (int i = 0; i < 2; ++i) {
-    made.axis[i] = {axes[i][0], axes[i][1], axes[i][2], axes[i][3]};
-    made.output[i] = {outputs[i][0], outputs[i][1], outputs[i][2]};
+    made.axis[i] = {counts(axes[i][0]), counts(axes[i][1]), counts(axes[i][2]), counts(axes[i][3])};
+    made.output[i] = {counts(outputs[i][0]), counts(outputs[i][1]), counts(outputs[i][2])};
   }
-  std::copy(profiles.begin(), profiles.end(), made.profile_percent);
+  for (int i = 0; i < 4; ++i) made.profile_percent[i] = small<std::uint8_t>("a profile's percent", profiles[i]);
   require(joystick::is_sound(made), joystick::sound_calibration);
   return made;
 }
@@ -111,15 +124,24 @@ void bind_reading(py::module_& m) {
       .def_readonly("calibration", &JoystickIdentity::calibration, "what is stored; of no meaning if not calibrated");
 }
 
+// Ctrl-C ends the waiting.
+std::unique_ptr<JoystickLink> open_link(const std::string& port, double patience) {
+  const py::gil_scoped_release release;
+  return std::make_unique<JoystickLink>(port, patience, [] {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  });
+}
+
 void bind_link(py::module_& m) {
   py::class_<JoystickLink>(
       m, "JoystickLink",
       "The link to the Arduino at the joystick (docs/joystick-link.md). A thread answers each of its reports with the "
       "newest command, as far as the stick allows it. A cable that is pulled out is a state; the thread finds it "
       "again.")
-      .def(py::init<std::string, double>(), py::arg("port"), py::arg("patience") = 3.0, without_gil(),
-           "Opens a serial port and waits for the first report, `patience` [s] at the longest. DeviceError for a port "
-           "that cannot be opened, and for one at which nothing, or something else, talks.")
+      .def(py::init(&open_link), py::arg("port"), py::arg("patience") = 3.0,
+           "Opens a serial port and waits for the first report, `patience` [s] at the longest, 60 at most. DeviceError "
+           "for a port that cannot be opened, and for one at which nothing, or something else, talks.")
       .def("read", &JoystickLink::read, without_gil(), "-> what the newest report says; None while there is none")
       .def("take_readings", &JoystickLink::take_readings, without_gil(),
            "-> all readings since this was called last, the oldest first: of the last 2 s at most")
@@ -138,8 +160,10 @@ void bind_link(py::module_& m) {
       .def("identity", &JoystickLink::identity, without_gil(), "Asks who the chip is. DeviceError without an answer.")
       .def("calibrate", &JoystickLink::calibrate, py::arg("calibration"), without_gil(),
            "Stores a calibration in the chip. DeviceError where it does not take it: it drives, or does not answer.")
-      .def("select_profile", &JoystickLink::select_profile, py::arg("profile"), without_gil(),
-           "0 to 3; the stick is needed at neutral then. ValueError for another.")
+      .def(
+          "select_profile",
+          [](JoystickLink& link, long profile) { link.select_profile(small<std::uint8_t>("profile", profile)); },
+          py::arg("profile"), without_gil(), "0 to 3; the stick is needed at neutral then. ValueError for another.")
       .def("close", &JoystickLink::close, without_gil(), "Ends the thread and lets the port go.");
 }
 

@@ -243,6 +243,7 @@ DeviceStream DeviceStream::connect_tcp(const std::string& host, std::uint16_t po
 DeviceStream::DeviceStream(int file, std::string name) : file_(file), name_(std::move(name)) {
   struct stat status{};
   is_socket_ = ::fstat(file_, &status) == 0 && S_ISSOCK(status.st_mode);
+  owner_ = ::getpid();
   wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   if (wake_ >= 0) return;
   const int error = errno;
@@ -257,6 +258,7 @@ DeviceStream& DeviceStream::operator=(DeviceStream&& other) noexcept {
   close();
   file_ = std::exchange(other.file_, -1);
   wake_ = std::exchange(other.wake_, -1);
+  owner_ = other.owner_;
   is_socket_ = other.is_socket_;
   name_ = std::move(other.name_);
   return *this;
@@ -265,7 +267,7 @@ DeviceStream& DeviceStream::operator=(DeviceStream&& other) noexcept {
 DeviceStream::~DeviceStream() { close(); }
 
 void DeviceStream::close() {
-  if (file_ >= 0 && !is_socket_) {
+  if (file_ >= 0 && !is_socket_ && owner_ == ::getpid()) {  // what a forked process inherited is not its own
     // By hand: both would stay for as long as a forked process, or the other end of a pty, keeps the port open.
     ::ioctl(file_, TIOCNXCL);
     ::flock(file_, LOCK_UN);

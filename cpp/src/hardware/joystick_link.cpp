@@ -1,5 +1,8 @@
 #include "lfdcore/hardware/joystick_link.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -13,41 +16,75 @@ using Seconds = std::chrono::duration<double>;
 constexpr double watching = 0.05;      // [s] between looks at the time
 constexpr double looking_again = 0.1;  // [s] between looks for a port that is gone
 constexpr double writing = 0.1;        // [s] for which a write may block
+constexpr double looking_round = 0.1;  // [s] between what is done while a report is waited for
+constexpr double farewell = 0.03;      // [s] for the last answer
 constexpr double answering = 1;        // [s] for who the chip is
 
 }  // namespace
 
 double JoystickLink::now() { return Seconds(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-JoystickLink::JoystickLink(std::string port, double patience)
-    : port_(std::move(port)), stream_(DeviceStream::open_serial(port_, baud)), thread_([this] { run(); }) {
+JoystickLink::JoystickLink(std::string port, double patience, const std::function<void()>& meanwhile)
+    : port_((require_between("patience", patience, 0.01, 60, "s"), std::move(port))),
+      stream_(DeviceStream::open_serial(port_, baud)),
+      owner_(::getpid()),
+      thread_([this] { run(); }) {
+  try {
+    if (wait_for_report(patience, meanwhile)) return;
+  } catch (...) {
+    close();
+    throw;
+  }
   std::unique_lock lock(mutex_);
-  if (changed_.wait_for(lock, Seconds(patience), [this] { return session_.newest().has_value(); })) return;
   const std::string why = why_no_report();
   lock.unlock();
   close();
   throw DeviceError(why);
 }
 
+bool JoystickLink::wait_for_report(double patience, const std::function<void()>& meanwhile) {
+  const auto has_report = [this] { return session_.newest().has_value(); };
+  for (const double end = now() + patience; now() < end;) {
+    std::unique_lock lock(mutex_);
+    if (changed_.wait_for(lock, Seconds(std::min(looking_round, end - now())), has_report)) return true;
+    lock.unlock();
+    if (meanwhile) meanwhile();
+  }
+  return false;
+}
+
 JoystickLink::~JoystickLink() { close(); }
 
 void JoystickLink::close() {
+  const std::lock_guard only_one(closing_);
+  if (!thread_.joinable()) return;
+  if (owner_ != ::getpid()) return thread_.detach();  // a forked process has the link, but not its thread
+  say_farewell();
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     if (stream_) stream_->interrupt();
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  thread_.join();
   lose(port_ + " was closed");
+}
+
+// The chip is neutral at once, and not when it has waited for the next answer.
+void JoystickLink::say_farewell() {
+  std::unique_lock lock(mutex_);
+  session_.command(0, 0, now());
+  const long answers = session_.statistics().answers;
+  changed_.wait_for(lock, Seconds(farewell),
+                    [&] { return !session_.newest() || session_.statistics().answers > answers; });
 }
 
 std::string JoystickLink::why_no_report() const {
   if (session_.met_other_version())
     return port_ + " speaks another version of the protocol: flash the firmware of this version of lfdcore";
   if (session_.hears_nonsense())
-    return port_ + " sends something else than the joystick's firmware does: is it the right port, at " +
-           std::to_string(baud) + " baud?";
+    return port_ + " sends something else than the firmware of this lfdcore: is it the right port, at " +
+           std::to_string(baud) + " baud? If so, flash it (make -C firmware flash)";
   return port_ + " is silent: is the joystick's firmware on it (make -C firmware flash)?";
 }
 
@@ -83,6 +120,7 @@ std::string JoystickLink::fault() const {
 
 JoystickIdentity JoystickLink::identity() {
   std::unique_lock lock(mutex_);
+  require_open();
   session_.forget_identity();
   send(session_.query());
   return wait_for_identity(lock);
@@ -90,12 +128,18 @@ JoystickIdentity JoystickLink::identity() {
 
 JoystickIdentity JoystickLink::wait_for_identity(std::unique_lock<std::mutex>& lock) {
   if (!changed_.wait_for(lock, Seconds(answering), [this] { return session_.identity().has_value(); }))
-    throw DeviceError(port_ + " does not say who it is: " + (session_.newest() ? "try again" : fault_));
+    throw DeviceError(port_ + " does not say who it is: " +
+                      (session_.newest() ? "flash the firmware of this lfdcore (make -C firmware flash)" : fault_));
   return *session_.identity();
+}
+
+void JoystickLink::require_open() const {
+  if (stopping_) throw DeviceError(fault_);
 }
 
 void JoystickLink::calibrate(const joystick::Calibration& calibration) {
   std::unique_lock lock(mutex_);
+  require_open();
   send(session_.set_calibration(calibration));
   std::array<std::uint8_t, joystick::calibration_bytes> wanted{}, has{};
   joystick::write_calibration(calibration, wanted.data());

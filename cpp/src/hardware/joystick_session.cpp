@@ -59,6 +59,7 @@ std::vector<std::uint8_t> JoystickSession::take(const std::uint8_t* bytes, std::
   std::vector<std::uint8_t> answers;
   Decoded outcome;
   Frame frame;
+  unheard_ += count;
   for (std::size_t i = 0; i < count; ++i) {
     if (!reader_.take(bytes[i], outcome, frame)) continue;
     if (outcome != Decoded::frame) {
@@ -111,7 +112,7 @@ bool JoystickSession::take_report(const Frame& frame, double stamp) {
   if (!is_neutral(stick_) || said.faults != 0) not_neutral_ = said.tick;
   newest_ = last_ = said;
   came_ = stamp;
-  nonsense_ = false;
+  unheard_ = 0;
   readings_.push_back(said);
   if (readings_.size() > most_readings) readings_.pop_front();
   ++statistics_.reports;
@@ -125,10 +126,7 @@ void JoystickSession::connect(const JoystickReading& said) {
   happen(Event::link_made);
 }
 
-void JoystickSession::count_bad_frame() {
-  ++statistics_.bad_frames;
-  nonsense_ = true;
-}
+void JoystickSession::count_bad_frame() { ++statistics_.bad_frames; }
 
 std::vector<JoystickReading> JoystickSession::take_readings() {
   std::vector<JoystickReading> taken(readings_.begin(), readings_.end());
@@ -146,7 +144,9 @@ double JoystickSession::stamp_of(std::uint32_t tick, double stamp) {
 }
 
 void JoystickSession::take_identity(const Frame& frame) {
-  identity_ = JoystickIdentity{frame.payload[0], frame.payload[1] != 0, read_calibration(frame.payload + 4)};
+  const JoystickIdentity said{frame.payload[0], frame.payload[1] != 0, read_calibration(frame.payload + 4)};
+  if (said.calibrated && !is_sound(said.calibration)) return count_bad_frame();
+  identity_ = said;
 }
 
 // What the table says of all that is known now.

@@ -89,6 +89,7 @@ class ScipLidar::Worker {
   const ScipConfig config_;
   int baud_;  // that it last answered at
   std::atomic<bool> stopping_ = false;
+  std::mutex closing_;
   mutable std::mutex mutex_;  // of all that more than one thread uses
   mutable std::condition_variable changed_;
   std::unique_ptr<ScipSession> session_;
@@ -107,6 +108,7 @@ ScipLidar::Worker::Worker(const std::string& address, const ScipConfig& config)
 }
 
 void ScipLidar::Worker::close() {
+  const std::lock_guard only_one(closing_);
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;

@@ -204,7 +204,7 @@ class JoystickLink:
 
     def __init__(self, port: str, patience: float = 3.0) -> None:
         """
-        Opens a serial port and waits for the first report, `patience` [s] at the longest. DeviceError for a port that cannot be opened, and for one at which nothing, or something else, talks.
+        Opens a serial port and waits for the first report, `patience` [s] at the longest, 60 at most. DeviceError for a port that cannot be opened, and for one at which nothing, or something else, talks.
         """
 
     def calibrate(self, calibration: JoystickCalibration) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from lfdcore.cli.common import require_writable
 from lfdcore.cli.live import EveryOption, live_facts, usual_interval
-from lfdcore.cli.ports import SIMULATED
+from lfdcore.cli.ports import SIMULATED, require_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -44,7 +44,7 @@ def drive(
     seconds: Annotated[float | None, typer.Option(min=0.1, help="Stop after so long. Default: Ctrl-C.")] = None,
     every: EveryOption = None,
     course: Annotated[str, typer.Option(help="With --port sim: where a simulated driver drives.")] = "home",
-    seed: Annotated[int, typer.Option(min=0, help="With --port sim: of the driver.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, max=2**32 - 1, help="With --port sim: of the driver.")] = 1,
 ) -> None:
     """Drive a chair: the user's stick, an assistant, the chair's controller. Ctrl-C stops it."""
     from lfdcore.datasets.drive_log import DriveLogWriter
@@ -53,7 +53,7 @@ def drive(
     from lfdcore.wheelchair.named_assistant import assistant_maker
 
     if record is not None:
-        require_writable(record, [Path(assistant)], "--record")
+        require_writable(record, [Path(assistant), *([chair_file] if chair_file else [])], "--record")
     make_assistant = assistant_maker(assistant)
     with ExitStack() as stack:
         chair, link, tell = _connected(stack, port, scan or [], chair_file, course, seed)
@@ -81,6 +81,12 @@ def _connected(
         return _simulated(stack, course, seed)
     if not scan or chair_file is None:
         raise typer.BadParameter("a real chair needs --scan and --chair: nothing is assumed of it")
+    require_port(port)
+    addresses = [text.partition("=")[2] or text for text in scan]
+    for address in addresses:
+        device = Path(address.removeprefix("scip:"))
+        if device.exists() and Path(port).exists() and device.samefile(port):
+            raise typer.BadParameter(f"--scan {address} and --port {port} are one device: which of both is it?")
     said = read_chair_file(chair_file)
     way = CountedWay(said.wheels)
     scans = _scans(stack, scan, said, way)
@@ -171,9 +177,9 @@ def _facts(tick: Tick, state: str, chair: LinkedChair) -> dict[str, str]:
     return {
         "time": f"{tick.stamp:.1f} s",
         "link": state,
+        "why": chair.trouble,
         "mode": answer.mode + (", supervised" if answer.supervised else "") + (", manual" if chair.manual else ""),
         "stick": f"{forward:+.2f} ahead {left:+.2f} left",
         "asked": f"{answer.command.linear:+.2f} m/s {answer.command.angular:+.2f} rad/s",
         "drives": f"{seen.twist.linear:+.2f} m/s {seen.twist.angular:+.2f} rad/s",
-        "why": chair.trouble,
     }

@@ -2,24 +2,51 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from lfdcore.cli.common import JsonOption, show_facts
+from lfdcore.cli.common import JsonOption, print_facts, show_facts
+from lfdcore.cli.log_options import (
+    AxesOption,
+    CommandOption,
+    JoyOption,
+    LogOptions,
+    MountingOption,
+    OdometryOption,
+    ScanOption,
+)
 
 
 def info(
     file: Annotated[Path, typer.Argument(help="A drive log, a recorded collaboration, a model or a map.")],
+    scan: ScanOption = None,
+    odometry: OdometryOption = None,
+    joy: JoyOption = None,
+    axes: AxesOption = None,
+    command: CommandOption = None,
+    mounting: MountingOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what a drive log, a recorded collaboration, a model or a map holds."""
-    show_facts(_facts(file), as_json)
+    """Say what a drive log, a recorded collaboration, a model or a map holds; of a log also what is wrong with it, and
+    what to do."""
+    facts = _facts(file, LogOptions(scan, odometry, joy, axes, command, mounting))
+    if as_json or "wrong" not in facts:
+        show_facts(facts, as_json)
+        return
+    print_facts({name: _known(value) for name, value in facts.items() if name not in ("wrong", "told")})
+    print_facts({name + " (told)" * (name in facts): note for name, note in facts["told"].items()})
+    for trouble in facts["wrong"]:
+        typer.echo(f"- {trouble}")
 
 
-def _facts(file: Path) -> dict[str, Any]:
+def _known(value: Any) -> Any:
+    """Without what is not known."""
+    return {name: one for name, one in value.items() if one is not None} if isinstance(value, dict) else value
+
+
+def _facts(file: Path, options: LogOptions) -> dict[str, Any]:
     if not file.exists():
         raise FileNotFoundError(2, "no such file", str(file))
     from lfdcore.datasets.tensor_file import is_tensor_file
@@ -30,7 +57,7 @@ def _facts(file: Path) -> dict[str, Any]:
         return _interaction_facts(file)
     if file.suffix in {".yaml", ".yml"}:
         return _map_facts(file)
-    return _log_facts(file)
+    return _log_facts(file, options)
 
 
 def _model_facts(file: Path) -> dict[str, Any]:
@@ -79,24 +106,8 @@ def _map_facts(file: Path) -> dict[str, Any]:
     }
 
 
-def _log_facts(file: Path) -> dict[str, Any]:
-    from lfdcore.datasets import open_log
-    from lfdcore.geometry import arc_length
+def _log_facts(file: Path, options: LogOptions) -> dict[str, Any]:
+    from lfdcore.datasets.log_health import log_facts
 
-    log = open_log(file)
-    way = arc_length(log.pose[:, :2])[-1] if len(log.pose) else 0.0
-    mounting = log.T_base_laser
-    facts = {
-        "kind": "drive log",
-        "name": log.name,
-        "duration [s]": round(log.duration, 1),
-        "scans": f"{log.ranges.shape[0]} of {log.ranges.shape[1]} beams",
-        "scanner at": f"{mounting.x:g} m, {mounting.y:g} m, {math.degrees(mounting.yaw):g} deg in base_link",
-        "odometry": f"{len(log.odometry_stamp)} records, {way:.1f} m",
-        "joystick": f"{len(log.joystick_stamp)} records",
-        "commands": f"{len(log.command_stamp)} records",
-        "plans": len(log.plans),
-    }
-    for name, note in log.metadata.items():
-        facts[name] = f"{facts[name]}; {note}" if name in facts else note
-    return facts
+    log = options.open(file)
+    return {"kind": "drive log", "name": log.name, **log_facts(log), "told": log.metadata}

@@ -23,9 +23,12 @@ RATE_OVER = 0.5
 """[s] over which reports are counted, at least"""
 LEAST_SUPPLY, MOST_SUPPLY = 2.7, 5.5
 """[V] that an MCP4725 can be fed with"""
-DAC_TOP = 4095
-USUAL_AXIS = (200, 512, 824, 20)
-"""[ADC counts] of a stick that is sound"""
+DAC_TOP, LEAST_CODES = 4095, 101
+"""[codes] of a DAC: its top, and the least from neutral to an end, as calibration.hpp has them"""
+LOWEST, HIGHEST, LEAST_SPAN = 51, 972, 50
+"""[ADC counts] where a stick's ends may be, and how far from its centre, as calibration.hpp has them"""
+Seen = tuple[int, int, int]
+"""(least, median, greatest) [ADC counts]"""
 SETTLED = 1.0
 """[s] that the stick is watched in each place"""
 LEAST_DEAD_ZONE, TREMBLES = 12, 4
@@ -56,7 +59,8 @@ def _looks(link: JoystickLink, every: float, seconds: float | None) -> Iterator[
     begin = time.monotonic()
     before, then = link.statistics.reports, begin
     while seconds is None or time.monotonic() - begin < seconds:
-        time.sleep(every)
+        left = every if seconds is None else begin + seconds - time.monotonic()
+        time.sleep(max(0.0, min(every, left)))
         said, statistics, now = link.read(), link.statistics, time.monotonic()
         rate = (statistics.reports - before) / (now - then)
         if now - then >= RATE_OVER:
@@ -119,28 +123,48 @@ def calibrate(
     its own joystick first."""
     from lfdcore.cli.ports import opened
     from lfdcore.hardware import JoystickCalibration
+    from lfdcore.wheelchair.link_trouble import link_trouble
 
     if not LEAST_SUPPLY <= supply <= MOST_SUPPLY:
         raise typer.BadParameter(f"--supply is {supply:g} V, must lie in [{LEAST_SUPPLY:g}, {MOST_SUPPLY:g}] V")
     outputs = [_codes("--forward-output", forward_output, supply), _codes("--left-output", left_output, supply)]
     percent = _percent("--profiles", profiles)
-    JoystickCalibration(
-        axes=[USUAL_AXIS, USUAL_AXIS], outputs=outputs, profiles=percent
-    )  # refused before anybody moves
     with opened(port) as link:
-        centre = _watch(link, "Let the stick go.")
+        rest = _watch(link, "Let the stick go.")
         ends = [
             _watch(link, f"Hold the stick fully {way}.") for way in ("ahead", "back", "to the left", "to the right")
         ]
-        ahead, back, left, right = (end[axis][1] for end, axis in zip(ends, (0, 0, 1, 1), strict=True))
-        dead = [max(LEAST_DEAD_ZONE, TREMBLES * (high - low)) for low, _, high in centre]
-        made = JoystickCalibration(
-            axes=[(back, centre[0][1], ahead, dead[0]), (right, centre[1][1], left, dead[1])],
-            outputs=outputs,
-            profiles=percent,
-        )
+        again = _watch(link, "Let the stick go once more.")
+        axes = [
+            _axis("forward", rest[0], again[0], ends[1][0], ends[0][0]),
+            _axis("left", rest[1], again[1], ends[3][1], ends[2][1]),
+        ]
+        made = JoystickCalibration(axes=axes, outputs=outputs, profiles=percent)
         link.calibrate(made)
         _tell(made)
+        if trouble := link_trouble(link):
+            typer.echo(f"now: {trouble}")
+
+
+def _axis(name: str, rest: Seen, again: Seen, minus: Seen, plus: Seen) -> tuple[int, int, int, int]:
+    """(minus, centre, plus, dead zone) [ADC counts] of an axis as it was seen in each place. ValueError, naming what
+    was seen, for what no stick does."""
+    least, centre, most = rest
+    back, ahead = minus[1], plus[1]
+    dead = max(LEAST_DEAD_ZONE, TREMBLES * (most - least))
+    told = f"the {name} axis was at {centre} let go, {again[1]} let go again, {back} and {ahead} at its ends"
+    if abs(again[1] - centre) > dead:
+        raise ValueError(f"{told}: was it let go? Try again")
+    if min(abs(back - centre), abs(ahead - centre)) < LEAST_SPAN:
+        raise ValueError(f"{told}: it hardly moved; are the wires of both axes swapped, or is one broken?")
+    if (back < centre) == (ahead < centre):
+        raise ValueError(f"{told}: both on one side; was it held to each side? Try again")
+    if not all(LOWEST <= end <= HIGHEST for end in (back, ahead)):
+        raise ValueError(
+            f"{told}: its ends must lie within {LOWEST} to {HIGHEST} of 1023, or a broken wire looks like a stick: put "
+            "a resistor at each end of it (docs/joystick-link.md)"
+        )
+    return back, centre, ahead, min(dead, min(abs(back - centre), abs(ahead - centre)) // 2)
 
 
 def _tell(made: JoystickCalibration) -> None:
@@ -149,9 +173,9 @@ def _tell(made: JoystickCalibration) -> None:
     typer.echo("stored")
 
 
-def _watch(link: JoystickLink, what: str) -> list[tuple[int, int, int]]:
+def _watch(link: JoystickLink, what: str) -> list[Seen]:
     """(least, median, greatest) [ADC counts] of both axes, over a second from Enter on."""
-    typer.prompt(f"{what} Then press Enter", default="", show_default=False)
+    _wait_for_enter(f"{what} Then press Enter: ")
     seen: list[tuple[int, int]] = []
     end = time.monotonic() + SETTLED
     while time.monotonic() < end:
@@ -164,13 +188,27 @@ def _watch(link: JoystickLink, what: str) -> list[tuple[int, int, int]]:
     return [(min(axis), sorted(axis)[len(axis) // 2], max(axis)) for axis in zip(*seen, strict=True)]
 
 
+def _wait_for_enter(what: str) -> None:
+    try:
+        input(what)
+    except EOFError:
+        raise ValueError("standard input has ended: calibrate in a terminal, somebody must move the stick") from None
+
+
 def _codes(option: str, text: str, supply: float) -> tuple[int, int, int]:
     volts = _numbers(option, text, 3)
     for value in volts:
         if not 0 <= value <= supply:
             raise typer.BadParameter(f"{option} has {value:g} V, must lie in [0, {supply:g}] V, the supply's")
-    minus, neutral, plus = (round(value / supply * DAC_TOP) for value in volts)
-    return minus, neutral, plus
+    minus, neutral, plus = volts
+    least = LEAST_CODES / DAC_TOP * supply
+    if (minus < neutral) != (neutral < plus) or min(abs(minus - neutral), abs(plus - neutral)) < least:
+        raise typer.BadParameter(
+            f"{option} is {minus:g}, {neutral:g}, {plus:g} V: neutral must lie between both ends, {least:.2f} V or "
+            "more from each"
+        )
+    back, still, ahead = (round(value / supply * DAC_TOP) for value in volts)
+    return back, still, ahead
 
 
 def _percent(option: str, text: str) -> list[int]:

@@ -23,6 +23,15 @@ from lfdcore.cli.common import (
 )
 from lfdcore.cli.learn_collaboration import learn_collaboration_command
 from lfdcore.cli.learn_goals import learn_goals_command
+from lfdcore.cli.log_options import (
+    AxesOption,
+    CommandOption,
+    JoyOption,
+    LogOptions,
+    MountingOption,
+    OdometryOption,
+    ScanOption,
+)
 from lfdcore.study.preset import Preset
 
 if TYPE_CHECKING:
@@ -61,19 +70,25 @@ def learn_drive_command(
             "naive: one network for both (Sec. 4.6.2). The latter two need the extra 'train'."
         ),
     ] = Method.primitives,
+    scan: ScanOption = None,
+    odometry: OdometryOption = None,
+    joy: JoyOption = None,
+    axes: AxesOption = None,
+    command: CommandOption = None,
+    mounting: MountingOption = None,
     share: Annotated[float, typer.Option(min=0, max=1, help="Learn from this first share of each log's scans.")] = 1.0,
     preset: PresetOption = Preset.default,
     as_json: JsonOption = False,
 ) -> None:
     """Learn from drives what a driver wants. A joystick that was not recorded is inferred from the motion."""
-    from lfdcore.datasets import open_log
     from lfdcore.training.drive_primitives import first_share
 
     require_each_once(logs)
     require_writable(output, logs)
     if method is not Method.primitives:
         import lfdcore.training.drive_heatmaps  # noqa: F401 - what is missing, before any log is read
-    drives = [open_log(path) for path in logs]
+    options = LogOptions(scan, odometry, joy, axes, command, mounting)
+    drives = [options.open(path) for path in logs]
     with progress_bar() as bar:
         model, network = _learn(method, first_share(drives, share), preset, Stages(bar))
     model.save(output)

@@ -18,6 +18,15 @@ from lfdcore.cli.common import (
     require_writable,
     show_facts,
 )
+from lfdcore.cli.log_options import (
+    AxesOption,
+    CommandOption,
+    JoyOption,
+    LogOptions,
+    MountingOption,
+    OdometryOption,
+    ScanOption,
+)
 from lfdcore.study.preset import Preset
 
 
@@ -31,12 +40,18 @@ def learn_goals_command(
     processes: Annotated[int, typer.Option(min=1, help="That search hyper-parameters side by side.")] = 1,
     preset: PresetOption = Preset.default,
     seed: SeedOption = 1,
+    scan: ScanOption = None,
+    odometry: OdometryOption = None,
+    joy: JoyOption = None,
+    axes: AxesOption = None,
+    command: CommandOption = None,
+    mounting: MountingOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Learn from drives, each of which names its destination, how a driver steers towards each. Needs torch."""
     from dataclasses import replace
 
-    from lfdcore.datasets import open_log, read_goals
+    from lfdcore.datasets import read_goals
 
     require_each_once(logs)
     require_writable(output, [*logs, goals])
@@ -44,7 +59,8 @@ def learn_goals_command(
 
     from lfdcore.training.goals import GoalLearningConfig, learn_goals
 
-    places, drives = read_goals(goals), [open_log(path) for path in logs]
+    options = LogOptions(scan, odometry, joy, axes, command, mounting)
+    places, drives = read_goals(goals), [options.open(path) for path in logs]
     config = GoalLearningConfig.thesis() if preset is Preset.thesis else GoalLearningConfig()
     config = replace(config, subset=subset or config.subset, seed=seed)
     with progress_bar() as bar:

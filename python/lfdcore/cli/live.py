@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 EveryOption = Annotated[
     float | None,
-    typer.Option(min=0.05, help="Seconds between two looks. Default: a tenth in a terminal, else lines now and then."),
+    typer.Option(
+        min=0.05, max=3600, help="Seconds between two looks. Default: a tenth in a terminal, else lines now and then."
+    ),
 ]
 BAR = 15
 """characters of a bar, odd: its middle is 0"""
@@ -23,7 +25,7 @@ BAR = 15
 @contextmanager
 def live_facts() -> Iterator[Callable[[Mapping[str, str]], None]]:
     """-> what shows facts by name, the newest in the place of those before. The last ones stay."""
-    if not sys.stdout.isatty():
+    if not _is_terminal():
         yield lambda facts: typer.echo("  ".join(f"{name} {value}" for name, value in facts.items() if value))
         return
     from rich.live import Live
@@ -34,7 +36,11 @@ def live_facts() -> Iterator[Callable[[Mapping[str, str]], None]]:
 
 def usual_interval(line: float) -> float:
     """[s] between two looks: in a terminal a tenth, else `line`, between two lines"""
-    return 0.1 if sys.stdout.isatty() else line
+    return 0.1 if _is_terminal() else line
+
+
+def _is_terminal() -> bool:
+    return sys.stdout is not None and sys.stdout.isatty()  # None: it was closed before we began
 
 
 def bar(share: float) -> str:

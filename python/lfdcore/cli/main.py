@@ -9,7 +9,7 @@ from typing import NoReturn
 import typer
 
 from lfdcore import __version__
-from lfdcore.cli import collaborate, demo, drive, info, joystick, learn, node, predict, study, track
+from lfdcore.cli import collaborate, convert, demo, drive, info, joystick, learn, node, predict, study, track
 
 app = typer.Typer(
     name="lfdcore",
@@ -20,6 +20,7 @@ app = typer.Typer(
 )
 app.command("demo")(demo.demo)
 app.command("info")(info.info)
+app.command("convert")(convert.convert)
 app.command("predict")(predict.predict)
 app.command("node", cls=node.NodeCommand)(node.node)
 app.command("track")(track.track)

@@ -6,11 +6,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+import typer
+
 if TYPE_CHECKING:
     from lfdcore.hardware import JoystickLink
     from lfdcore.simulated.joystick_bench import JoystickBench
 
 SIMULATED = "sim"
+
+
+def require_port(port: str) -> None:
+    """BadParameter for a name that no file can have."""
+    try:
+        port.encode()
+    except UnicodeEncodeError:
+        raise typer.BadParameter(f"{port!r} is no name of a port: it is not UTF-8") from None
 
 
 @contextmanager
@@ -19,6 +29,7 @@ def opened(port: str) -> Iterator[JoystickLink]:
     JoystickLink, and where this lfdcore was built without the simulated chip."""
     from lfdcore.hardware import JoystickLink
 
+    require_port(port)
     if port == SIMULATED:
         with simulated_chip() as (_, link):
             yield link

@@ -21,6 +21,15 @@ from lfdcore.cli.common import (
     require_each_once,
     save_picture,
 )
+from lfdcore.cli.log_options import (
+    AxesOption,
+    CommandOption,
+    JoyOption,
+    LogOptions,
+    MountingOption,
+    OdometryOption,
+    ScanOption,
+)
 from lfdcore.progress import Progress
 from lfdcore.study.preset import Preset
 
@@ -73,12 +82,17 @@ def predict(
     footprint: Annotated[
         str, typer.Option(help="FRONT,REAR,HALF_WIDTH of the robot in the picture, in metres.")
     ] = ".8,.35,.35",
+    scan: ScanOption = None,
+    odometry: OdometryOption = None,
+    joy: JoyOption = None,
+    axes: AxesOption = None,
+    command: CommandOption = None,
+    mounting: MountingOption = None,
     preset: PresetOption = Preset.default,
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
     """Predict paths along recorded drives and compare them with what was driven: path error beside two baselines."""
-    from lfdcore.datasets import open_log
     from lfdcore.study.prediction.study import predict_log
     from lfdcore.wheelchair.stick import StickMeaning
 
@@ -91,7 +105,8 @@ def predict(
     models = _load(model_files)
     predictors = _predictors(model_files, models, rule, preset)
     compared = None if concatenated is None else _of_each_kind(model_files, models)
-    logs = [open_log(path).share(begin, end) for path in log_files]
+    options = LogOptions(scan, odometry, joy, axes, command, mounting)
+    logs = [options.open(path).share(begin, end) for path in log_files]
     meaning = StickMeaning(stick)
     with progress_bar() as bar:
         tell = Stages(bar)

@@ -9,6 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lfdcore.cli.common import JsonOption, Stages, pose_of, print_json, progress_bar, require_drawable, save_picture
+from lfdcore.cli.log_options import (
+    AxesOption,
+    CommandOption,
+    JoyOption,
+    LogOptions,
+    MountingOption,
+    OdometryOption,
+    ScanOption,
+)
 
 if TYPE_CHECKING:
     from lfdcore.datasets.drive_log import DriveLog
@@ -50,10 +59,15 @@ def track(
         Path | None, typer.Option(help="Ellipses on the map and likelihoods (.png, .pdf, .svg).")
     ] = None,
     animation: Annotated[Path | None, typer.Option(help="The belief as the drive goes on (.gif).")] = None,
+    scan: ScanOption = None,
+    odometry: OdometryOption = None,
+    joy: JoyOption = None,
+    axes: AxesOption = None,
+    command: CommandOption = None,
+    mounting: MountingOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Follow the belief over destinations along a drive. Poses are the log's or, without any, a scan matcher's."""
-    from lfdcore.datasets import open_log
     from lfdcore.wheelchair.goals.model import GoalModel
     from lfdcore.wheelchair.goals.track import track_beliefs
 
@@ -61,7 +75,7 @@ def track(
         raise typer.BadParameter("--device is for the model of all samples: give --full too")
     require_drawable("--picture", picture)
     require_drawable("--animation", animation, (".gif",))
-    model, log = GoalModel.load(model_file), open_log(log_file)
+    model, log = GoalModel.load(model_file), LogOptions(scan, odometry, joy, axes, command, mounting).open(log_file)
     if start is not None and len(log.map_stamp):
         raise typer.BadParameter(f"--start is for a drive without poses in the map, {log_file} has them")
     begin = _start(model, start)

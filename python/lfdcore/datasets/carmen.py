@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.datasets.beam_layout import as_rep_117
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.motion import windowed_twist
+from lfdcore.datasets.stamp_order import Order, in_order
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
 
@@ -24,6 +26,8 @@ OTHER_LASERS = {"RLASER", *(f"{kind}LASER{k}" for kind in ("", "ROBOT", "RAW") f
 """First words of lines with scans that are not read"""
 LONGEST_LINE = 1 << 20
 """[bytes]"""
+FRONT_OFFSET = "robot_frontlaser_offset"
+FLIPPED = ("laser_flipped", "laser_frontlaser_flipped", "laser_front_laser_flipped")
 _FAR, _NEAR = 81.0, 50.0
 
 
@@ -35,8 +39,10 @@ def read_carmen(path: str | Path, *, T_base_laser: Pose2 | None = None, range_ma
     (a SICK LMS says 81.8 to 81.91 or 50 to 51.1). Stamps are the log's. Odometry: ODOM lines whose time is 0 repeat the
     corrected pose and are dropped, as are lines that do not go forward in time; corrected poses are not read. The
     metadata's `dropped` counts both, and the lines of other lasers, which are not read. The log holds no velocities:
-    the twist is the mean over the last half second. T_base_laser is the identity unless given. DataError with the line
-    for garbled, truncated or empty logs, other numbers of beams and a number of beams that changes.
+    the twist is the mean over the last half second. T_base_laser is what PARAM robot_frontlaser_offset says (ahead of
+    the axle, [m]) unless given, None where nothing says it; PARAM laser_flipped turns the angles round. Stamps up to a
+    second late are sorted. DataError with the line for garbled, truncated or empty logs, other numbers of beams and a
+    number of beams that changes.
     """
     if range_max is not None and not 0 < range_max < math.inf:
         raise ValueError(f"range_max is {range_max} m, must be positive")
@@ -61,22 +67,29 @@ def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | Non
     far = _FAR if finite.size and finite.max() > 51.2 else _NEAR
     far = far if range_max is None else range_max  # CARMEN gives a number from here on where REP-117 has inf
     beams = readings.shape[1]
-    odometry = lines.sorted_odometry()
+    odometry, scans = lines.sorted_odometry(), lines.sorted_scans()
     lines.dropped["ODOM not forward in time"] = len(lines.odometry) - len(odometry)
+    mounting, origin = (T_base_laser, "as given") if T_base_laser is not None else lines.mounting()
+    turn = -1.0 if lines.flipped() else 1.0
     dropped = ", ".join(f"{count} {kind}" for kind, count in sorted(lines.dropped.items()) if count)
     pose = np.c_[odometry[:, 1:3], np.unwrap(odometry[:, 3])]
     return DriveLog(
-        scan_stamp=np.array(lines.scan_stamps),
-        ranges=np.where(readings >= far, np.inf, readings).astype(np.float32),
-        angle_min=-math.pi / 2,
-        angle_increment=math.pi / (beams if beams in EXCLUSIVE else beams - 1),
+        scan_stamp=np.array(lines.scan_stamps)[scans.kept],
+        ranges=as_rep_117(readings[scans.kept].astype(np.float32), 0.0, far),
+        angle_min=turn * -math.pi / 2,
+        angle_increment=turn * math.pi / (beams if beams in EXCLUSIVE else beams - 1),
         range_min=0.0,
         range_max=far,
-        T_base_laser=T_base_laser or Pose2(),
+        T_base_laser=mounting,
         odometry_stamp=odometry[:, 0],
         pose=pose,
         twist=windowed_twist(odometry[:, 0], pose),
-        metadata={"source": f"CARMEN log {lines.path.name}", "odometry": "raw; twist over the last 0.5 s"}
+        metadata={
+            "source": f"CARMEN log {lines.path.name}",
+            "odometry": "raw; twist over the last 0.5 s",
+            "T_base_laser": origin,
+        }
+        | ({"scan records": scans.told()} if scans.told() else {})
         | ({"dropped": f"lines: {dropped}"} if dropped else {}),
         name=lines.path.name.removesuffix(".gz").removesuffix(".log"),
     )
@@ -90,6 +103,8 @@ class _Lines:
     scan_stamps: list[float] = field(default_factory=list)
     scans: list[list[float]] = field(default_factory=list)
     odometry: list[tuple[float, float, float, float]] = field(default_factory=list)
+    parameters: dict[str, str] = field(default_factory=dict)
+    """PARAM by name, the last value of each"""
     dropped: Counter[str] = field(default_factory=Counter)
     """lines by kind"""
 
@@ -99,6 +114,8 @@ class _Lines:
             self._add_scan(words)
         elif words and words[0] == "ODOM":
             self._add_odometry(words)
+        elif words and words[0] == "PARAM" and len(words) > 2:
+            self.parameters[words[1]] = words[2]
         elif words and words[0] in OTHER_LASERS:
             self.dropped[words[0]] += 1
 
@@ -123,12 +140,26 @@ class _Lines:
         x, y, yaw = (_finite(words[k], name) for k, name in ((1, "x"), (2, "y"), (3, "theta")))
         self.odometry.append((stamp, x, y, yaw))
 
+    def mounting(self) -> tuple[Pose2 | None, str]:
+        """T_base_laser, and where it comes from. ValueError for an offset that is no number."""
+        said = self.parameters.get(FRONT_OFFSET)
+        if said is None:
+            return None, f"unknown: no PARAM {FRONT_OFFSET}; say --mounting X,Y,YAW (in Python T_base_laser=)"
+        return Pose2(_finite(said, f"PARAM {FRONT_OFFSET}"), 0.0, 0.0), f"PARAM {FRONT_OFFSET}"
+
+    def flipped(self) -> bool:
+        """Whether the scanner hangs upside down."""
+        return any(self.parameters.get(name, "off") in ("on", "1", "true", "yes") for name in FLIPPED)
+
+    def sorted_scans(self) -> Order:
+        """In the order of their stamps. ValueError for a clock that was set back."""
+        return in_order("FLASER", np.array(self.scan_stamps))
+
     def sorted_odometry(self) -> NDArray[np.float64]:
         """(T, 4) stamp, x, y, yaw: without the lines that do not go forward in time"""
         rows = np.array(self.odometry).reshape(-1, 4)
-        keep = np.ones(len(rows), bool)
-        keep[1:] = np.diff(rows[:, 0]) > 0
-        return np.asarray(rows[keep])
+        before = np.maximum.accumulate(np.r_[-np.inf, rows[:, 0]])[:-1]
+        return np.asarray(rows[rows[:, 0] > before])
 
 
 def _finite(word: str, name: str) -> float:

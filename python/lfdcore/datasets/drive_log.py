@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 import lfdcore
 from lfdcore.datasets import ros_messages as ros
 from lfdcore.datasets.whole_file import whole_file
+from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
 
@@ -100,7 +101,8 @@ class DriveLog:
     """[m]"""
     range_max: float = 30.0
     """[m]"""
-    T_base_laser: Pose2 = field(default_factory=Pose2)
+    T_base_laser: Pose2 | None = None
+    """The sensor's mounting; None where it is not known: `mounting` is an error then"""
     odometry_stamp: Array = field(default_factory=_no_stamps)
     """(T,) [s]"""
     pose: Array = field(default_factory=_no_poses)
@@ -153,6 +155,16 @@ class DriveLog:
                 object.__setattr__(self, one.name, np.ascontiguousarray(value, np.float32))
             elif one.name.endswith("_stamp") or one.name in _WIDTHS:
                 object.__setattr__(self, one.name, np.ascontiguousarray(value, np.float64))
+
+    @property
+    def mounting(self) -> Pose2:
+        """T_base_laser. DataError where it is not known, saying what to do."""
+        if self.T_base_laser is None:
+            raise DataError(
+                f"log {self.name!r} does not say where its scanner is on the robot: say --mounting X,Y,YAW (in Python "
+                "T_base_laser=)"
+            )
+        return self.T_base_laser
 
     @property
     def duration(self) -> float:
@@ -300,7 +312,7 @@ def _require_scans(log: DriveLog) -> None:
         raise ValueError(f"ranges has shape {shape}, must be ({count}, beams)")
     if count and not shape[1]:
         raise ValueError("ranges has 0 beams, must have at least 1")
-    numbers = (log.angle_min, log.angle_increment, log.range_min, log.range_max, *log.T_base_laser)
+    numbers = (log.angle_min, log.angle_increment, log.range_min, log.range_max, *(log.T_base_laser or ()))
     if not np.isfinite(numbers).all():
         raise ValueError(
             f"angle_min, angle_increment, range_min, range_max, T_base_laser are {numbers}, must be finite"
@@ -356,13 +368,13 @@ class DriveLogWriter:
         self,
         path: str | Path,
         *,
-        T_base_laser: Pose2,
+        T_base_laser: Pose2 | None,
         name: str = "",
         metadata: Mapping[str, str] | None = None,
     ) -> None:
         from mcap.writer import Writer
 
-        _require_finite("T_base_laser", np.array([*T_base_laser]))
+        _require_finite("T_base_laser", np.array([*(T_base_laser or ())]))
         self._file = Path(path).open("wb")  # noqa: SIM115 close() ends what begins here
         self._mcap = Writer(self._file, use_chunking=False, enable_data_crcs=True)
         self._last = dict.fromkeys((*ros.TOPICS, _MAP), 0)
@@ -370,10 +382,11 @@ class DriveLogWriter:
         self._scan_layout: tuple[float, ...] | None = None
         self._mcap.start(profile="ros2", library=f"lfdcore {lfdcore.__version__}")
         about = {"format": FORMAT, "lfdcore": lfdcore.__version__, "name": name}
-        self._note("lfdcore", about | {"T_base_laser": _text(*T_base_laser)})
+        self._note("lfdcore", about | {"T_base_laser": _text(*T_base_laser) if T_base_laser else "unknown"})
         self.note(metadata or {})
         self._channels = self._register()
-        self._write("/tf_static", 0, ros.transform_message(0, "base_link", "laser", T_base_laser))
+        if T_base_laser is not None:
+            self._write("/tf_static", 0, ros.transform_message(0, "base_link", "laser", T_base_laser))
 
     def _register(self) -> dict[str, int]:
         kinds = dict.fromkeys(ros.TOPICS.values())
@@ -387,8 +400,11 @@ class DriveLogWriter:
     def _write(self, topic: str, nanoseconds: int, message: Any) -> None:
         data = ros.serialize(message, ros.TOPICS[topic])
         self._counts[topic] += 1
-        self._mcap.add_message(self._channels[topic], nanoseconds, data, nanoseconds, self._counts[topic])
-        self._file.flush()
+        try:
+            self._mcap.add_message(self._channels[topic], nanoseconds, data, nanoseconds, self._counts[topic])
+            self._file.flush()
+        except OSError as error:  # a disk that is full
+            raise OSError(error.errno, error.strerror, self._file.name) from error
         self._last[topic] = nanoseconds
 
     def _time(self, topic: str, stamp: float) -> int:

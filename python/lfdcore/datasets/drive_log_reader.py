@@ -193,7 +193,7 @@ class _Gathered:
         map_odom = np.array(self.rows["/tf"], float).reshape(-1, 4)
         return DriveLog(
             **self._scans(),
-            T_base_laser=Pose2(*map(float, self.about["T_base_laser"].split())),
+            T_base_laser=_mounting(self.about["T_base_laser"]),
             odometry_stamp=odometry[:, 0],
             pose=odometry[:, 1:4],
             twist=odometry[:, 4:],
@@ -223,3 +223,7 @@ class _Gathered:
         ranges = np.stack([scan.ranges for _, scan in self.scans])
         layout = {key: float(self.layout[key]) for key in SCAN_LAYOUT}
         return {"scan_stamp": np.array([stamp for stamp, _ in self.scans]), "ranges": ranges} | layout
+
+
+def _mounting(text: str) -> Pose2 | None:
+    return None if text == "unknown" else Pose2(*map(float, text.split()))

@@ -35,6 +35,11 @@ def open_log(path: str | Path, **options: Any) -> DriveLog:
     return _reader(path)(path, **options)
 
 
+def is_bag(path: Path) -> bool:
+    """Whether a file or a folder is a ROS bag, and no drive log of lfdcore. DataError as open_log."""
+    return _reader(path) is read_rosbag
+
+
 def _reader(path: Path) -> Callable[..., DriveLog]:
     if path.is_dir():
         if (path / "metadata.yaml").exists():

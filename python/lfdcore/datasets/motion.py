@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfdcore.datasets.drive_log import DriveLog
 from lfdcore.datasets.safe_joystick import noted_limits, notes_limits
-from lfdcore.geometry import Pose2, Twist2, arc_length
+from lfdcore.geometry import Pose2, Twist2, arc_length, wrap_angle
 
 Array = NDArray[np.float64]
 
@@ -19,6 +19,10 @@ LIMIT_PERCENTILE = 95.0
 """of the speeds above MOVING that counts as full deflection"""
 MOVING = 0.05
 """[m/s] and [rad/s] below which a speed says nothing about the limits"""
+JUMP, TURN = 0.3, 0.5
+"""[m], [rad] by which odometry may be farther than its twists lead to"""
+FASTEST, QUICKEST = 3.0, 5.0
+"""[m/s], [rad/s] of any chair"""
 _PUSHED = 0.2  # of full deflection, from where on a stick tells what full deflection would be
 
 
@@ -44,6 +48,20 @@ def windowed_twist(stamp: Array, pose: Array, window: float = WINDOW) -> Array:
     span = stamp - begin
     with np.errstate(over="ignore"):  # a DriveLog refuses the infinite speed by its record
         return mean_twist(before, pose, np.where(span > 0, span, np.inf))
+
+
+def odometry_jumps(log: DriveLog) -> NDArray[np.bool_]:
+    """(T,) whether a record of odometry is farther from the one before than any chair comes in that time (3 m/s, 5
+    rad/s), or than twice the twists of both lead to; each with JUMP and TURN to spare. So is odometry that began
+    anew."""
+    if len(log.odometry_stamp) < 2:
+        return np.zeros(len(log.odometry_stamp), bool)
+    span, step = np.diff(log.odometry_stamp), np.diff(log.pose, axis=0)
+    speed = np.maximum(np.abs(log.twist[1:]), np.abs(log.twist[:-1]))
+    way = JUMP + span * np.minimum(FASTEST, 2 * speed[:, 0])
+    turn = TURN + span * np.minimum(QUICKEST, 2 * speed[:, 1])
+    jumped = (np.hypot(step[:, 0], step[:, 1]) > way) | (np.abs(wrap_angle(step[:, 2])) > turn)
+    return np.asarray(np.r_[False, jumped], np.bool_)
 
 
 def motion_limits(twist: Array) -> Twist2:

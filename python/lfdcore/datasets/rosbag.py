@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +11,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfdcore.datasets import ros_messages as ros
+from lfdcore.datasets.bag_clocks import Timed, on_one_clock
+from lfdcore.datasets.bag_streams import (
+    OdometryStream,
+    ScanStream,
+    Stream,
+    command_stream,
+    joystick_stream,
+    require_few_odd,
+    transform_stream,
+)
 from lfdcore.datasets.drive_log import DriveLog
+from lfdcore.datasets.frame_tree import FrameTree, Mounting, WatchedFrames, mounting_of
+from lfdcore.datasets.motion import windowed_twist
+from lfdcore.datasets.stamp_order import in_order
 from lfdcore.errors import DataError
 from lfdcore.geometry import Pose2
-from lfdcore.grid import read_beams
 
-Row = tuple[float, ...]
-
-SCAN = ("sensor_msgs/msg/LaserScan",)
-ODOMETRY = ("nav_msgs/msg/Odometry",)
-JOYSTICK = ("sensor_msgs/msg/Joy",)
-COMMAND = ("geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist")
+TYPES: Mapping[str, tuple[str, ...]] = {
+    "scan": ("sensor_msgs/msg/LaserScan",),
+    "odometry": ("nav_msgs/msg/Odometry",),
+    "joystick": ("sensor_msgs/msg/Joy",),
+    "command": ("geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"),
+}
+"""Message types by role"""
+OPTIONAL = ("joystick", "command")
+"""Roles that a drive may lack"""
 TRANSFORM = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
-MOST_JUMPS = 16
-"""transforms between the scan's frame and the odometry's child frame"""
+FROM_TF = "tf"
+"""The odometry that /tf says"""
+NONE = "none"
+"""No stream in this role, although there may be one"""
 
 
 def read_rosbag(
@@ -40,185 +56,234 @@ def read_rosbag(
 ) -> DriveLog:
     """Reads a ROS 1 .bag, a ROS 2 bag folder, or a lone .mcap or .db3 of one.
 
-    `scan` (sensor_msgs/LaserScan), `odometry` (nav_msgs/Odometry), `joystick` (sensor_msgs/Joy) and `command`
-    (geometry_msgs/Twist or TwistStamped) name topics; each may be left out where the bag has at most one of its type.
-    ValueError naming the candidates where it has more; DataError for a bag without scans or odometry, or one that is
-    broken. `joystick_axes` are the indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
-    T_base_laser is what the bag's static transforms say from the odometry's child frame to the scans' frame, unless
-    given; the identity where they say nothing (the metadata say which). Stamps are the headers' where they have any,
-    else the bag's, sorted, since the first; where they go back, the metadata's `sorted` says how often. Ranges stay
-    as they are where the scanner measured something; else they become REP-117's words for what lfdcore.grid.read_beams
-    says of them: NaN for finite ones below range_min, inf from range_max on.
+    `scan` (sensor_msgs/LaserScan), `odometry` (nav_msgs/Odometry, or "tf": what /tf says), `joystick`
+    (sensor_msgs/Joy) and `command` (geometry_msgs/Twist or TwistStamped) name topics; each may be left out where the
+    bag has at most one of its type with messages. Of several scans or odometries ValueError names the candidates; of
+    several joysticks or commands none is read, and the metadata say so. "none" reads none. `joystick_axes` are the
+    indices of (forward, left) in Joy.axes, as the ROS joy drivers order them.
+
+    T_base_laser is what the bag's transforms say from the odometry's child frame to the scans' frame, unless given:
+    /tf_static, and what never changes on /tf, up and down the tree. None where nothing joins them. A scanner that hangs
+    upside down has its angles turned round; one that is tilted by more than 5 degrees is an error.
+
+    Stamps are the headers' where their clocks agree, else those of receipt on the scans' clock, sorted, since the
+    first. A record that is odd is left out and counted. Scans whose number of beams wavers are put on the first one's
+    angles. Ranges become REP-117's words for what lfdcore.grid.read_beams says of them: 0 and finite ones below
+    range_min NaN, inf from range_max on. All of that stands in the metadata.
+
+    DataError, naming file, topic and value, for a bag without scans or odometry, one that is broken, and one of what no
+    drive can be: two publishers on a topic, clocks that were set back, angles that contradict one another, orientations
+    that are no rotation, units that cannot be.
     """
     path = Path(path)
     if not path.exists():
         raise FileNotFoundError(2, "no such bag", str(path))
     wanted = {"scan": scan, "odometry": odometry, "joystick": joystick, "command": command}
     try:
-        bag = _read(path, wanted)
-        return _drive_log(path, bag, T_base_laser, joystick_axes)
-    except (_AmbiguousError, DataError):
+        return _drive_log(path, _read(path, wanted, joystick_axes), T_base_laser)
+    except (ChoiceError, DataError):
         raise
     except Exception as error:  # rosbags raises whatever garbled bytes lead it to
-        raise DataError(f"{path}: {type(error).__name__}: {error}") from error
+        name = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+        raise DataError(f"{path}: {name}{error}") from error
 
 
-class _AmbiguousError(ValueError):
-    """More than one topic of a type, or none of the name asked for."""
+class ChoiceError(ValueError):
+    """More than one topic of a type, or none of the name asked for: an option chooses."""
 
 
 @dataclass
 class _Bag:
-    """What was found, by role."""
+    """What was found."""
 
-    topics: dict[str, str] = field(default_factory=dict)
-    messages: dict[str, list[tuple[int, Any]]] = field(default_factory=dict)
-    """(stamp [ns], message), sorted"""
-    transforms: dict[str, tuple[str, Pose2]] = field(default_factory=dict)
-    """child frame -> (parent frame, T_parent_child) of what never moves"""
-    unordered: dict[str, int] = field(default_factory=dict)
-    """by role: messages whose stamp is before that of the message before"""
+    streams: dict[str, Any] = field(default_factory=dict)
+    """by role"""
+    frames: FrameTree = field(default_factory=FrameTree)
+    watched: WatchedFrames = field(default_factory=lambda: WatchedFrames(ways=False))
+    notes: dict[str, str] = field(default_factory=dict)
 
 
-def _read(path: Path, wanted: dict[str, str | None]) -> _Bag:
+def _read(path: Path, wanted: Mapping[str, str | None], axes: tuple[int, int]) -> _Bag:
     from rosbags.highlevel import AnyReader
 
-    bag = _Bag()
     with AnyReader([path], default_typestore=ros.typestore()) as reader:
-        types = {connection.topic: connection.msgtype for connection in reader.connections}
-        for role, kinds in (("scan", SCAN), ("odometry", ODOMETRY), ("joystick", JOYSTICK), ("command", COMMAND)):
-            topic = _choose(path, role, kinds, types, wanted[role])
-            if topic:
-                bag.topics[role] = topic
-                bag.messages[role] = []
-        roles = {topic: role for role, topic in bag.topics.items()}
-        static = {topic for topic, kind in types.items() if kind in TRANSFORM and topic.endswith("tf_static")}
-        chosen = [connection for connection in reader.connections if connection.topic in {*roles, *static}]
-        for connection, nanoseconds, raw in reader.messages(connections=chosen):
+        counts: dict[str, dict[str, int]] = {}
+        for connection in reader.connections:
+            kinds = counts.setdefault(connection.topic, {})
+            kinds[connection.msgtype] = kinds.get(connection.msgtype, 0) + connection.msgcount
+        bag, by_topic = _prepared(path, counts, wanted, axes)
+        moving = {topic for topic in counts if topic.rsplit("/", 1)[-1] == "tf" and _is_transform(counts[topic])}
+        static = {topic for topic in counts if topic.endswith("tf_static") and _is_transform(counts[topic])}
+        chosen = [one for one in reader.connections if one.topic in {*by_topic, *static, *moving}]
+        for connection, received, raw in reader.messages(connections=chosen):
             message = reader.deserialize(raw, connection.msgtype)
             if connection.topic in static:
-                bag.transforms |= _transforms(message)
+                bag.frames.add(message)
+            elif connection.topic in moving:
+                bag.watched.add(message, received)
             else:
-                bag.messages[roles[connection.topic]].append((_stamp(message, nanoseconds), message))
-    for role, messages in bag.messages.items():
-        bag.unordered[role] = sum(after[0] < before[0] for before, after in pairwise(messages))
-        messages.sort(key=lambda one: one[0])
+                by_topic[connection.topic].add(message, received)
+    bag.watched.join_fixed(bag.frames)
     return bag
 
 
-def _choose(path: Path, role: str, kinds: Sequence[str], types: dict[str, str], wanted: str | None) -> str | None:
-    candidates = sorted(topic for topic, kind in types.items() if kind in kinds)
-    if wanted is not None:
-        if wanted not in candidates:
-            raise _AmbiguousError(f"{role} is {wanted!r}, {path} has {candidates} of {' or '.join(kinds)}")
-        return wanted
-    if len(candidates) > 1:
-        raise _AmbiguousError(f"{path} has more than one topic for {role}: say {role}= one of {candidates}")
-    if not candidates and role in ("scan", "odometry"):
-        found = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(types.items())) or "nothing"
-        raise DataError(f"{path}: no topic of type {kinds[0]}, so no {role}; it holds {found}")
-    return candidates[0] if candidates else None
+def _is_transform(kinds: Mapping[str, int]) -> bool:
+    return any(kind in TRANSFORM for kind in kinds)
 
 
-def _stamp(message: Any, received: int) -> int:
-    header = getattr(message, "header", None)
-    stamp = header.stamp.sec * 1_000_000_000 + header.stamp.nanosec if header is not None else 0
-    return stamp or received
-
-
-def _transforms(message: Any) -> dict[str, tuple[str, Pose2]]:
-    return {
-        one.child_frame_id.lstrip("/"): (one.header.frame_id.lstrip("/"), ros.transform_values(one.transform))
-        for one in message.transforms
+def _prepared(
+    path: Path, counts: Mapping[str, Mapping[str, int]], wanted: Mapping[str, str | None], axes: tuple[int, int]
+) -> tuple[_Bag, dict[str, Stream]]:
+    """A stream for each role that has a topic."""
+    bag = _Bag()
+    topics = {role: _choose(path, role, counts, wanted[role], bag.notes) for role in TYPES}
+    makers: dict[str, Callable[[str], Stream]] = {
+        "scan": lambda topic: ScanStream(topic, sum(counts[topic].values())),
+        "odometry": OdometryStream,
+        "joystick": lambda topic: joystick_stream(topic, axes),
+        "command": command_stream,
     }
+    by_topic = {}
+    for role, topic in topics.items():
+        if topic == FROM_TF:
+            bag.watched = WatchedFrames(ways=True)
+        elif topic is not None:
+            bag.streams[role] = by_topic[topic] = makers[role](topic)
+    return bag, by_topic
 
 
-def _mounting(bag: _Bag) -> tuple[Pose2, str]:
-    """T_base_laser and where it comes from"""
-    frame = bag.messages["scan"][0][1].header.frame_id.lstrip("/")
-    base = bag.messages["odometry"][0][1].child_frame_id.lstrip("/")
-    mounting, at = Pose2(), frame
-    for _ in range(MOST_JUMPS):
-        if at == base:
-            return mounting, f"static transforms from {frame} to {base}"
-        if at not in bag.transforms:
-            break
-        at, step = bag.transforms[at]
-        mounting = step * mounting
-    return Pose2(), f"identity: no static transforms from {frame} to {base or 'an unnamed frame'}"
+def _choose(
+    path: Path, role: str, counts: Mapping[str, Mapping[str, int]], wanted: str | None, notes: dict[str, str]
+) -> str | None:
+    kinds = TYPES[role]
+    of_type = {topic: sum(each.get(kind, 0) for kind in kinds) for topic, each in counts.items() if {*kinds} & {*each}}
+    if wanted == NONE and role in OPTIONAL:
+        return None
+    if wanted == FROM_TF and role == "odometry":
+        return FROM_TF
+    if wanted is not None:
+        if wanted not in of_type:
+            raise ChoiceError(f"{role} is {wanted!r}, {path} has {sorted(of_type)} of {' or '.join(kinds)}")
+        return wanted
+    candidates = sorted(topic for topic, count in of_type.items() if count)
+    if len(candidates) > 1 and role in OPTIONAL:
+        notes[f"{role} left out"] = f"{', '.join(candidates)}: --{OPTION[role]} chooses one"
+        return None
+    if len(candidates) > 1:
+        raise ChoiceError(
+            f"{path} has more than one topic for {role}: {', '.join(candidates)}; say --{OPTION[role]} TOPIC (in "
+            f"Python {role}=)"
+        )
+    if candidates or role in OPTIONAL:
+        return candidates[0] if candidates else None
+    if role == "odometry" and any(_is_transform(each) for each in counts.values()):
+        return FROM_TF
+    found = ", ".join(f"{topic} ({', '.join(sorted(each))})" for topic, each in sorted(counts.items())) or "nothing"
+    raise DataError(f"{path}: no message of type {kinds[0]}, so no {role}; it holds {found}")
 
 
-def _drive_log(path: Path, bag: _Bag, given: Pose2 | None, axes: tuple[int, int]) -> DriveLog:
-    for role in ("scan", "odometry"):
-        if not bag.messages[role]:
-            raise DataError(f"{path}: topic {bag.topics[role]} holds no message, so no {role}")
-    epoch = min(messages[0][0] for messages in bag.messages.values() if messages)
-    back = [f"{count} times in {role}" for role, count in bag.unordered.items() if count]
-    mounting, origin = _mounting(bag) if given is None else (given, "as given")
-    odometry = _rows(bag, "odometry", epoch, 5, _odometry_values)
-    joystick = _rows(bag, "joystick", epoch, 2, lambda message: _axes(message, axes))
-    command = _rows(bag, "command", epoch, 2, lambda message: ros.twist_values(getattr(message, "twist", message)))
+OPTION = {"scan": "scan", "odometry": "odometry", "joystick": "joy", "command": "command"}
+"""What a command line calls the choice of a role's topic"""
+
+
+def _drive_log(path: Path, bag: _Bag, given: Pose2 | None) -> DriveLog:
+    base = _odometry_from_tf(path, bag) if "odometry" not in bag.streams else bag.streams["odometry"].base
+    for role, stream in bag.streams.items():
+        require_few_odd(stream)
+        if not stream.times.headers and role not in OPTIONAL:
+            raise DataError(f"{path}: topic {stream.times.topic} holds no message that can be read, so no {role}")
+    streams = {role: stream for role, stream in bag.streams.items() if stream.times.headers}
+    timed = on_one_clock({role: stream.times for role, stream in streams.items()}, "scan")
+    epoch = min(int(one.stamps.min()) for one in timed.values() if len(one.stamps))
+    stamps: dict[str, Any] = {}
+    order = {}
+    for role, stream in streams.items():
+        seconds, order[role] = _ordered(role, stream, timed[role], epoch, bag.notes)
+        stamps[f"{role}_stamp"] = seconds
+    _require_together(streams, stamps)
+    mounting, origin = _mounting(bag, streams["scan"].frame, base)
+    if given is not None:
+        turned = mounting is not None and mounting.mirrored
+        mounting, origin = Mounting(given, turned), "as given" + (", upside down by its transforms" if turned else "")
+    fields = streams["scan"].fields(order["scan"])
+    if streams["scan"].other_angles:
+        bag.notes["beams"] = f"{streams['scan'].other_angles} scans were put on the angles of the first"
     return DriveLog(
-        **_scans(bag.messages["scan"], epoch),
-        T_base_laser=mounting,
-        odometry_stamp=odometry[:, 0],
-        pose=odometry[:, 1:4],
-        twist=odometry[:, 4:],
-        joystick_stamp=joystick[:, 0],
-        joystick=joystick[:, 1:],
-        command_stamp=command[:, 0],
-        command=command[:, 1:],
+        **stamps,
+        **(_turned_round(fields) if mounting is not None and mounting.mirrored else fields),
+        **_rows(streams, order, stamps),
+        T_base_laser=None if mounting is None else mounting.T_base_laser,
         metadata={"source": f"ROS bag {path.name}", "epoch [ns]": str(epoch), "T_base_laser": origin}
-        | {f"{role} topic": topic for role, topic in bag.topics.items()}
-        | ({"sorted": f"stamps went back {', '.join(back)}"} if back else {}),
+        | {f"{role} topic": stream.times.topic for role, stream in streams.items()}
+        | bag.notes,
         name=path.stem,
     )
 
 
-def _rows(bag: _Bag, role: str, epoch: int, width: int, values: Callable[[Any], Row]) -> NDArray[np.float64]:
-    rows = [((stamp - epoch) / 1e9, *values(message)) for stamp, message in bag.messages.get(role, [])]
-    return np.array(rows, float).reshape(-1, 1 + width)
+def _odometry_from_tf(path: Path, bag: _Bag) -> str:
+    """Takes the odometry from what moves on /tf -> the base's frame."""
+    moving = bag.watched.moving()
+    pairs = [pair for pair in moving if pair[0].rsplit("/", 1)[-1].startswith("odom")] or list(moving)
+    if len(pairs) != 1:
+        found = "; ".join(f"{parent} to {child}" for parent, child in pairs) or "nothing"
+        raise DataError(
+            f"{path}: no nav_msgs/Odometry, and on /tf there must be one frame that moves in odom, not {found}"
+        )
+    parent, child = pairs[0]
+    bag.streams["odometry"] = transform_stream(f"/tf of {child} in {parent}", moving[pairs[0]])
+    bag.notes["odometry"] = "poses of /tf; twist over the last 0.5 s"
+    return child
 
 
-def _odometry_values(message: Any) -> Row:
-    return *ros.pose_values(message.pose.pose), *ros.twist_values(message.twist.twist)
+def _ordered(
+    role: str, stream: Stream, timed: Timed, epoch: int, notes: dict[str, str]
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """A stream's stamps [s], sorted, and which of its records they are."""
+    seconds = (timed.stamps - epoch) / 1e9
+    order = in_order(stream.times.topic, seconds)
+    told = "; ".join(filter(None, (timed.told, order.told(), stream.odd.told())))
+    if told:
+        notes[f"{role} records"] = told
+    return seconds[order.kept], timed.kept[order.kept]
 
 
-def _axes(message: Any, axes: tuple[int, int]) -> Row:
-    if max(axes) >= len(message.axes):
-        raise ValueError(f"a Joy message has {len(message.axes)} axes, joystick_axes is {axes}")
-    return tuple(float(message.axes[k]) for k in axes)
+def _require_together(streams: Mapping[str, Stream], stamps: Mapping[str, NDArray[np.float64]]) -> None:
+    """Scans and odometry must be of one time, or none of them says where a scan was taken."""
+    a, b = stamps["scan_stamp"], stamps["odometry_stamp"]
+    if a[0] <= b[-1] and b[0] <= a[-1]:
+        return
+    raise ValueError(
+        f"{streams['scan'].times.topic} is from {a[0]:.3f} to {a[-1]:.3f} s, {streams['odometry'].times.topic} from "
+        f"{b[0]:.3f} to {b[-1]:.3f} s: they have no time in common"
+    )
 
 
-def _scans(messages: list[tuple[int, Any]], epoch: int) -> dict[str, Any]:
-    first = messages[0][1]
-    ranges = []
-    for stamp, scan in messages:
-        at = f"the scan at {(stamp - epoch) / 1e9} s"
-        if len(scan.ranges) != len(first.ranges):
-            raise ValueError(f"{at} has {len(scan.ranges)} beams, the first has {len(first.ranges)}")
-        try:
-            ranges.append(_ranges(scan))
-        except ValueError as error:
-            raise ValueError(f"{at}: {error}") from error
-    return {
-        "scan_stamp": np.array([(stamp - epoch) / 1e9 for stamp, _ in messages]),
-        "ranges": np.stack(ranges),
-        "angle_min": float(first.angle_min),
-        "angle_increment": float(first.angle_increment),
-        "range_min": float(first.range_min),
-        "range_max": float(first.range_max),
+def _mounting(bag: _Bag, frame: str, base: str) -> tuple[Mounting | None, str]:
+    """The scanner's place on the chair, and where it comes from."""
+    if not frame or not base:
+        which = "the scans name no frame" if not frame else "the odometry names no child frame"
+        return None, f"unknown: {which}; say --mounting X,Y,YAW (in Python T_base_laser=)"
+    T = bag.frames.transform(base, frame)
+    if T is None:
+        return None, f"unknown: no transform joins {frame} and {base}; say --mounting X,Y,YAW (in Python T_base_laser=)"
+    return mounting_of(T), f"transforms from {frame} to {base}"
+
+
+def _turned_round(fields: dict[str, Any]) -> dict[str, Any]:
+    """Scans of a scanner that hangs upside down: seen from above, their angles grow clockwise."""
+    return fields | {name: -fields[name] for name in ("angle_min", "angle_increment")}
+
+
+def _rows(
+    streams: Mapping[str, Any], order: Mapping[str, NDArray[np.intp]], stamps: Mapping[str, NDArray[np.float64]]
+) -> dict[str, Any]:
+    """Of a DriveLog: what is not scans."""
+    rows = {
+        role: np.array(streams[role].rows, float)[order[role]] if role in streams else np.zeros((0, width))
+        for role, width in (("odometry", 5), ("joystick", 2), ("command", 2))
     }
-
-
-def _ranges(scan: Any) -> NDArray[np.float32]:
-    """A message's ranges (B,) [m] in the words of REP-117.
-
-    Drivers from before REP-117 give a number below range_min for no measurement, and one from range_max on for nothing
-    there. Only the message's limits show that, and the log keeps those of its first message alone. So these numbers
-    become NaN and inf here, which mean the same under any limits. What hit something stays bit by bit, -inf (too close)
-    included.
-    """
-    ranges = np.array(scan.ranges, np.float32)
-    lengths, hit = read_beams(ranges, scan.range_min, scan.range_max)
-    return np.where(hit, ranges, np.where(lengths > 0, np.float32(np.inf), np.float32(np.nan)))
+    pose, twist = rows["odometry"][:, :3], rows["odometry"][:, 3:]
+    if not twist.shape[1]:
+        pose = np.c_[pose[:, :2], np.unwrap(pose[:, 2])]
+        twist = windowed_twist(stamps["odometry_stamp"], pose)
+    return {"pose": pose, "twist": twist, "joystick": rows["joystick"], "command": rows["command"]}

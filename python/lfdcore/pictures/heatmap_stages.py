@@ -75,7 +75,7 @@ def sensor_figure(model: HeatmapModel, log: DriveLog, pairs: HeatmapPairs, index
     network answers (Fig. 4.6-4.7). `log` is the one of pair `index`."""
     figure = Figure(figsize=(PAGE, 2.9), layout="compressed")
     a, b, c, d = figure.subplots(1, 4, sharey=True)
-    draw_hits(a, log.scan(int(pairs.scan[index])), log.T_base_laser)
+    draw_hits(a, log.scan(int(pairs.scan[index])), log.mounting)
     draw_chair(a, Footprint())
     _whole_window(a, "A  scan")
     free = pairs.free[index]
@@ -160,7 +160,7 @@ class HeatMoment:
 def heat_moment(model: HeatmapModel, log: DriveLog, config: HeatmapPlannerConfig | None = None) -> HeatMoment | None:
     """The scan, of one a second, with a path on the grid after which the driver went farthest aside within 2.5 m; None
     without any."""
-    chair = ChairGeometry.thesis(log.T_base_laser)
+    chair = ChairGeometry.thesis(log.mounting)
     planner, around = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair), Surroundings(chair)
     best, aside, due = None, 0.0, -np.inf
     for now in observations(log):

@@ -43,7 +43,7 @@ def telling_moments(model: DriveAssistantModel, log: DriveLog, paths: LocalPaths
     Only scans from which the demonstrator then turned by 35-115 degrees are looked at, at most CANDIDATES of them,
     evenly spread. Empty if none of them gives a path.
     """
-    chair = ChairGeometry.thesis(log.T_base_laser)
+    chair = ChairGeometry.thesis(log.mounting)
     planner, around = model.planner(chair), Surroundings(chair)
     best: dict[str, Moment] = {}
     wanted = _candidates(paths)

@@ -92,7 +92,7 @@ def _drive_around(log: DriveLog, stamp: float, before: float = 8.0, after: float
 
 def _draw_local_path(axes: Axes, log: DriveLog, paths: LocalPaths, index: int, beams: BeamGeometry) -> None:
     scan = int(np.searchsorted(log.scan_stamp, paths.stamp[index]))
-    goal, laser = paths.goal[index], log.T_base_laser
+    goal, laser = paths.goal[index], log.mounting
     beam = int(beams.locate(goal[None])[0][0])
     angle = laser.yaw + log.angle_min + beam * log.angle_increment
     end = np.array([laser.x, laser.y]) + paths.beam_range[index] * np.array([np.cos(angle), np.sin(angle)])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from lfdcore.datasets.frame_tree import FrameTree, Mounting, mounting_of
 from lfdcore.ros.options import NodeOptions
-from lfdcore.ros.static_frames import Mounting, StaticFrames, mounting_of
 
 SAME = 1e-3
 """[m, rad] by which two frames may differ that are one"""
@@ -22,7 +22,7 @@ class Frames:
     """The odometry's child frame"""
 
 
-def frames_of(scan: Any, odometry: Any, options: NodeOptions, statics: StaticFrames) -> Frames:
+def frames_of(scan: Any, odometry: Any, options: NodeOptions, statics: FrameTree) -> Frames:
     """Of a sensor_msgs/LaserScan and a nav_msgs/Odometry. ValueError where odometry does not say what it is of, or says
     that it is of a frame that is not in the place of the base that was asked for."""
     topic, child, base = options.odometry, odometry.child_frame_id, options.base
@@ -35,7 +35,7 @@ def frames_of(scan: Any, odometry: Any, options: NodeOptions, statics: StaticFra
     return Frames(scan.header.frame_id, odometry.header.frame_id, child)
 
 
-def scan_mounting(scan: Any, odometry: Any, options: NodeOptions, statics: StaticFrames) -> Mounting:
+def scan_mounting(scan: Any, odometry: Any, options: NodeOptions, statics: FrameTree) -> Mounting:
     """As given, else as /tf_static says. ValueError where it does not say it, and for a tilted scanner."""
     if options.mounting is not None:
         return Mounting(options.mounting)
@@ -48,7 +48,7 @@ def scan_mounting(scan: Any, odometry: Any, options: NodeOptions, statics: Stati
     return mounting_of(T)
 
 
-def _are_one(statics: StaticFrames, base: str, child: str) -> bool:
+def _are_one(statics: FrameTree, base: str, child: str) -> bool:
     """Whether two frames are one in the plane: odometry of the one then says where the other is."""
     T = statics.transform(base, child)
     if T is None:

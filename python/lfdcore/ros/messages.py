@@ -5,19 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lfdcore.datasets.frame_tree import UNIT
 from lfdcore.datasets.ros_messages import pose_values, twist_values
 from lfdcore.geometry import Pose2, Twist2
 from lfdcore.grid import LaserScan
 
 NO_BEAMS = LaserScan([], 0.0, 1.0)
 """What a scanner says that has said nothing, or nothing that is a scan"""
-_UNIT = 0.01
-"""By which the norm of an orientation may differ from 1"""
-
-
-def nanoseconds(time: Any) -> int:
-    """A builtin_interfaces/Time as one number [ns]."""
-    return int(time.sec) * 1_000_000_000 + int(time.nanosec)
 
 
 def scan_of(message: Any, mirrored: bool) -> LaserScan:
@@ -43,7 +37,7 @@ def motion_of(message: Any) -> tuple[Pose2, Twist2]:
     x, y, yaw = pose_values(message.pose.pose)
     turned = message.pose.pose.orientation
     norm = math.hypot(turned.x, turned.y, turned.z, turned.w)
-    return Pose2(x, y, yaw if abs(norm - 1) < _UNIT else math.nan), Twist2(*twist_values(message.twist.twist))
+    return Pose2(x, y, yaw if abs(norm - 1) < UNIT else math.nan), Twist2(*twist_values(message.twist.twist))
 
 
 def stick_of(message: Any, axes: tuple[int, int]) -> tuple[float, float]:

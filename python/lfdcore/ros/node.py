@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from lfdcore.datasets.frame_tree import FrameTree
 from lfdcore.ros.chair import RosChair
 from lfdcore.ros.clock import RosClock
 from lfdcore.ros.command_outlet import CommandOutlet
@@ -18,7 +19,6 @@ from lfdcore.ros.options import NodeOptions
 from lfdcore.ros.senses import Senses
 from lfdcore.ros.spinning import Spinning
 from lfdcore.ros.startup import Startup
-from lfdcore.ros.static_frames import StaticFrames
 from lfdcore.ros.topics import Commands, Inputs, listen_to_static_frames
 from lfdcore.wheelchair.assistants import Assistant
 from lfdcore.wheelchair.drive_loop import Tick, drive
@@ -98,7 +98,7 @@ class _Parts:
 
         self._node, self._options = node, options
         self._senses = Senses(options.axes, self._now, self._complain)
-        statics = StaticFrames()
+        statics = FrameTree()
         with _as_value_errors():
             self._commands = Commands(node, options)
             inputs = Inputs(node, options, self._senses)

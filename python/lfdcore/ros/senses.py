@@ -7,10 +7,11 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from lfdcore.datasets.frame_tree import nanoseconds
 from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan
 from lfdcore.ros.frames import Frames
-from lfdcore.ros.messages import motion_of, nanoseconds, scan_of, stick_of
+from lfdcore.ros.messages import motion_of, scan_of, stick_of
 from lfdcore.ros.odometry_buffer import Motion, OdometryBuffer
 
 

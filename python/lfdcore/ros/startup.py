@@ -5,11 +5,10 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from lfdcore.datasets.frame_tree import FrameTree, Mounting, nanoseconds
 from lfdcore.ros.frames import Frames, frames_of, scan_mounting
-from lfdcore.ros.messages import nanoseconds
 from lfdcore.ros.options import NodeOptions
 from lfdcore.ros.senses import Senses
-from lfdcore.ros.static_frames import Mounting, StaticFrames
 from lfdcore.ros.topics import Commands, Inputs
 
 LOOKED_EVERY = 0.05
@@ -26,7 +25,7 @@ class Startup:
     """Looks at what has come in until nothing is wrong with it."""
 
     def __init__(
-        self, node: Any, options: NodeOptions, senses: Senses, inputs: Inputs, commands: Commands, statics: StaticFrames
+        self, node: Any, options: NodeOptions, senses: Senses, inputs: Inputs, commands: Commands, statics: FrameTree
     ) -> None:
         self._node, self._options, self._senses = node, options, senses
         self._inputs, self._commands, self._statics = inputs, commands, statics

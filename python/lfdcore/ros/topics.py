@@ -5,11 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
+from lfdcore.datasets.frame_tree import FrameTree
 from lfdcore.geometry import Twist2
 from lfdcore.ros.messages import fill_twist
 from lfdcore.ros.options import NodeOptions
 from lfdcore.ros.senses import Senses
-from lfdcore.ros.static_frames import StaticFrames
 
 
 class Inputs:
@@ -87,7 +87,7 @@ class Commands:
         ]
 
 
-def listen_to_static_frames(node: Any, frames: StaticFrames) -> None:
+def listen_to_static_frames(node: Any, frames: FrameTree) -> None:
     """Subscribes /tf_static. ValueError where the robot's ROS lacks its type."""
     try:
         from tf2_msgs.msg import TFMessage

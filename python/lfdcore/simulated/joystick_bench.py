@@ -132,6 +132,8 @@ class JoystickBench:
         how long an answer may take, on top of four times the time that `run` asks for. DeviceError: the bench was not
         built, or it cannot use one of the files.
         """
+        if eeprom is not None and not eeprom.parent.is_dir():
+            raise DeviceError(f"{eeprom}: there is no folder {eeprom.parent} to keep the chip's memory in")
         program = packaged("joystick_bench")
         chosen = packaged("joystick.elf") if firmware is None else firmware
         options = ["--free"] * free + (["--eeprom", str(eeprom)] if eeprom else [])
@@ -139,6 +141,8 @@ class JoystickBench:
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._events: list[Event] = []
         self._events_lock = threading.Lock()
+        self._asking = threading.Lock()
+        """Each answer belongs to the command before it, whichever thread gives it."""
         self._complaints: deque[str] = deque(maxlen=100)
         self._process = subprocess.Popen(
             [str(program), str(chosen), *options],
@@ -200,16 +204,22 @@ class JoystickBench:
 
         ValueError: the program refuses it. DeviceError: it has ended, or does not answer.
         """
+        if "\n" in text:
+            raise ValueError(f"{text!r} is several lines, must be one command")
+        with self._asking:
+            answer = self._ask(text, self._patience if patience is None else patience)
+        if answer.startswith("error "):
+            raise ValueError(f"the joystick bench refuses '{text}': {answer.removeprefix('error ')}")
+        return answer
+
+    def _ask(self, text: str, patience: float) -> str:
         assert self._process.stdin
         try:
             self._process.stdin.write(text + "\n")
             self._process.stdin.flush()
         except (OSError, ValueError) as error:
             raise self._ended() from error
-        answer = self._next_line(self._patience if patience is None else patience)
-        if answer.startswith("error "):
-            raise ValueError(f"the joystick bench refuses '{text}': {answer.removeprefix('error ')}")
-        return answer
+        return self._next_line(patience)
 
     def set_stick(self, forward: float, left: float) -> None:
         """The stick's voltages [V], 0 to 5; 2.5 each at the beginning."""

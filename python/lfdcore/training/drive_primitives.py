@@ -86,7 +86,7 @@ def _metadata(logs: Sequence[DriveLog], paths: LocalPaths) -> dict[str, Any]:
             {
                 "beams": int(log.ranges.shape[1]),
                 "field_of_view": float(abs(log.angle_increment) * (log.ranges.shape[1] - 1)),
-                "T_base_laser": [float(value) for value in log.T_base_laser],
+                "T_base_laser": [float(value) for value in log.mounting],
             }
             for log in logs
         ],

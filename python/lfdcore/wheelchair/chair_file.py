@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from reprlib import Repr
+from typing import Any, TypeVar
 
+from lfdcore.datasets.strict_json import parse_json
 from lfdcore.errors import DataError
-from lfdcore.geometry import Footprint, MotionLimits, Pose2
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, wrap_angle
 from lfdcore.hardware import WheelEncoders
 from lfdcore.wheelchair.observation import PERIOD, ChairGeometry
 
+Thing = TypeVar("Thing")
+SHORT = Repr()
+LARGEST = 1e6
 SCANNERS = "scanners"
 SCANNER = ("x", "y", "yaw_degrees", "roll_degrees", "range_noise")
 """Of each scanner, by its name: [m], [degrees], [m]"""
@@ -75,19 +79,31 @@ def read_chair_file(path: Path) -> ChairFile:
     said = _read(path)
     _require_names(path, "it", said, (*FIELDS, SCANNERS))
     footprint, limits, wheels, errors = (_numbers(path, part, said[part], names) for part, names in FIELDS.items())
-    return ChairFile(
-        footprint=Footprint(**footprint),
-        limits=MotionLimits(**limits),
-        wheels=WheelEncoders(**wheels),
+    chair = ChairFile(
+        footprint=_made(path, "footprint", Footprint, footprint),
+        limits=_made(path, "limits", MotionLimits, limits),
+        wheels=_made(path, "wheels", WheelEncoders, wheels),
         scanners=_scanners(path, said[SCANNERS]),
         latency=errors["latency"],
         odometry_error=errors["odometry_error"],
     )
+    for name, scanner in chair.scanners.items():
+        place = {"T_base_laser": scanner.T_base_laser, "scan_period": PERIOD}
+        _made(path, f"footprint, {SCANNERS}.{name} or errors", chair.geometry, place)
+    return chair
+
+
+def _made(path: Path, part: str, make: Callable[..., Thing], values: Mapping[str, Any]) -> Thing:
+    """What the values make. DataError names file and part where one is out of range."""
+    try:
+        return make(**values)
+    except ValueError as error:
+        raise DataError(f"{path}: {part}: {error}") from error
 
 
 def _scanners(path: Path, said: Any) -> dict[str, ScannerPlace]:
     if not isinstance(said, dict) or not said:
-        raise DataError(f"{path}: {SCANNERS} is {said!r}, must be an object with each scanner by its name")
+        raise DataError(f"{path}: {SCANNERS} is {SHORT.repr(said)}, must be an object with each scanner by its name")
     return {name: _scanner(path, f"{SCANNERS}.{name}", each) for name, each in said.items()}
 
 
@@ -98,14 +114,19 @@ def _scanner(path: Path, what: str, said: Any) -> ScannerPlace:
             f"{path}: {what}.roll_degrees is {numbers['roll_degrees']:g}, must be 0 (upright) or 180 (upside down): "
             "a tilted scanner sees no plane"
         )
-    place = Pose2(numbers["x"], numbers["y"], math.radians(numbers["yaw_degrees"]))
+    if not 0 <= numbers["range_noise"] <= 1:
+        raise DataError(f"{path}: {what}.range_noise is {numbers['range_noise']:g} m, must lie in [0, 1] m")
+    yaw = float(wrap_angle(math.radians(numbers["yaw_degrees"])))
+    place = Pose2(numbers["x"], numbers["y"], yaw)
     return ScannerPlace(place, numbers["roll_degrees"] == 180, numbers["range_noise"])
 
 
 def _read(path: Path) -> Any:
+    if path.exists() and not path.is_file():
+        raise DataError(f"{path} is no regular file, so no chair's")
     try:
-        return json.loads(path.read_text())
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        return parse_json(path.read_text())
+    except (ValueError, RecursionError) as error:
         raise DataError(f"{path} is no JSON file: {error}") from error
 
 
@@ -113,8 +134,8 @@ def _numbers(path: Path, part: str, said: Any, names: tuple[str, ...]) -> dict[s
     _require_names(path, part, said, names)
     for name in names:
         value = said[name]
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise DataError(f"{path}: {part}.{name} is {value!r}, must be a finite number")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST:
+            raise DataError(f"{path}: {part}.{name} is {SHORT.repr(value)}, must be a number within {LARGEST:g}")
     return {name: float(said[name]) for name in names}
 
 
@@ -126,4 +147,4 @@ def _require_names(path: Path, what: str, said: Any, names: tuple[str, ...]) -> 
             raise DataError(f"{path}: {what} lacks {name}, needs {', '.join(names)}")
     for name in said:
         if name not in names:
-            raise DataError(f"{path}: {what} has {name!r}, must have {', '.join(names)} alone")
+            raise DataError(f"{path}: {what} has {SHORT.repr(name)}, must have {', '.join(names)} alone")

@@ -25,6 +25,8 @@ Stamped = tuple[LaserScan, float]
 """A scan, and when it was taken by the clock of time.monotonic() [s]"""
 Array = NDArray[np.float64]
 
+MOVED = 0.5
+"""[m] that a chair may move between the scans of two scanners that are merged"""
 BEAMS = 720
 """of a merged scan, half a degree apart"""
 NEAR, APART = 6.0, 0.05
@@ -56,23 +58,6 @@ class ScanSource(Protocol):
 
     def close(self) -> None:
         """Ends it. The last scan stays."""
-
-
-def scan_source(text: str, *, T_base_laser: Pose2 | None = None, upside_down: bool = False) -> ScanSource:
-    """Opens what a command line names: `scip:/dev/ttyACM0`, `scip:192.168.0.10:10940`, or the file of a drive.
-
-    A LIDAR needs its mounting `T_base_laser` in base_link, and `upside_down` if it hangs; a drive brings its own.
-    DeviceError for a LIDAR that does not measure, DataError or FileNotFoundError for a file that is no drive,
-    ValueError where the mounting is missing or given twice.
-    """
-    kind, colon, address = text.partition(":")
-    if colon and kind == "scip":
-        if T_base_laser is None:
-            raise ValueError(f"{text}: the mounting T_base_laser of a LIDAR must be given")
-        return ScipSource(address, T_base_laser, upside_down=upside_down)
-    if T_base_laser is not None or upside_down:
-        raise ValueError(f"{text}: a recorded drive has its own mounting, give none")
-    return ReplaySource(Path(text))
 
 
 class ScipSource:
@@ -110,7 +95,7 @@ class ReplaySource:
         self._since_first = self._log.scan_stamp - self._log.scan_stamp[0]
         self._begin = time.monotonic()
         self.name = str(path)
-        self.T_base_laser = self._log.T_base_laser
+        self.T_base_laser = self._log.mounting
         self.scan_period = usual_period(self._log.scan_stamp)
 
     def newest(self) -> Stamped | None:
@@ -140,7 +125,8 @@ class Merged:
 
     The stamp is that of the oldest of the scans, and there is none until every source has given one: a scanner that
     stops makes the whole scan stale. With `odometry` (T_odom_base at a stamp of time.monotonic(), or None where it
-    does not know), scans of later stamps are moved to where the chair was at that stamp.
+    does not know), scans of later stamps are moved to where the chair was at that stamp. Where it does not know, or
+    says that the chair moved by more than MOVED meanwhile, the last merged scan stays, and grows old.
 
     ValueError without sources, for two that are mounted beyond 10 m, and for one whose range_max is below its distance
     from base_link.
@@ -159,6 +145,7 @@ class Merged:
                 raise ValueError(f"T_base_laser of {source.name} is {source.T_base_laser}, must be within 10 m")
         self._sources, self._footprint, self._odometry = tuple(sources), footprint, odometry
         self._last: tuple[tuple[float, ...], Stamped] | None = None
+        self._range_max: float | None = None
         self.name = " + ".join(source.name for source in sources)
         self.T_base_laser = Pose2()
         self.scan_period = max(source.scan_period for source in sources)
@@ -170,8 +157,9 @@ class Merged:
             return None
         stamps = tuple(stamp for _, stamp in scans)
         if self._last is None or self._last[0] != stamps:
-            self._last = (stamps, self._merge(scans, min(stamps)))
-        return self._last[1]
+            merged = self._merge(scans, min(stamps))
+            self._last = self._last if merged is None else (stamps, merged)
+        return None if self._last is None else self._last[1]
 
     def fault(self) -> str:
         """See ScanSource."""
@@ -182,25 +170,40 @@ class Merged:
         for source in self._sources:
             source.close()
 
-    def _merge(self, scans: Sequence[Stamped], stamp: float) -> Stamped:
-        placed = [
-            (scan, self._moved(stamp, taken) * source.T_base_laser)
-            for source, (scan, taken) in zip(self._sources, scans, strict=True)
-        ]
-        return merge_scans(placed, self._footprint), stamp
+    def _merge(self, scans: Sequence[Stamped], stamp: float) -> Stamped | None:
+        placed = []
+        for source, (scan, taken) in zip(self._sources, scans, strict=True):
+            moved = self._moved(stamp, taken)
+            if moved is None:
+                return None
+            placed.append((scan, moved * source.T_base_laser))
+        if self._range_max is None:
+            self._range_max = self._surely_seen([scan for scan, _ in scans])
+        return merge_scans(placed, self._footprint, self._range_max), stamp
 
-    def _moved(self, stamp: float, taken: float) -> Pose2:
-        """Where the chair was at `taken`, in base_link as it stood at `stamp`."""
+    def _surely_seen(self, scans: Sequence[LaserScan]) -> float:
+        """How far the farthest-seeing scanner sees from base_link [m], wherever the chair moved between two scans."""
+        reach = max(
+            scan.range_max - math.hypot(source.T_base_laser.x, source.T_base_laser.y)
+            for source, scan in zip(self._sources, scans, strict=True)
+        )
+        return reach if self._odometry is None else reach - MOVED
+
+    def _moved(self, stamp: float, taken: float) -> Pose2 | None:
+        """Where the chair was at `taken`, in base_link as it stood at `stamp`; None where nobody knows."""
         if self._odometry is None or taken == stamp:
             return Pose2()
         then, now = self._odometry(stamp), self._odometry(taken)
-        return Pose2() if then is None or now is None else then.inverse() * now
+        if then is None or now is None:
+            return None
+        moved = then.inverse() * now
+        return moved if math.hypot(moved.x, moved.y) <= MOVED else None  # nor NaN
 
 
-def merge_scans(placed: Sequence[tuple[LaserScan, Pose2]], footprint: Footprint) -> LaserScan:
-    """Scans with the poses of their scanners in base_link as one scan from base_link (see Merged)."""
+def merge_scans(placed: Sequence[tuple[LaserScan, Pose2]], footprint: Footprint, range_max: float) -> LaserScan:
+    """Scans with the poses of their scanners in base_link as one scan from base_link up to range_max [m] (see
+    Merged)."""
     views = [_View(scan, pose) for scan, pose in placed]
-    range_max = max(view.reach for view in views)
     if range_max <= APART:
         raise ValueError(f"no scanner reaches beyond its own distance from base_link: {range_max} m are left")
     rays = _rays(range_max)
@@ -268,7 +271,6 @@ class _View:
         self._angles = scan.angles()
         if not len(self._lengths):  # a broken scanner: as one beam that measured nothing
             self._lengths, self._hit, self._angles = np.zeros(1), np.zeros(1, np.bool_), np.zeros(1)
-        self.reach = scan.range_max - math.hypot(pose.x, pose.y)
 
     def look(self, rays: _Rays) -> tuple[NDArray[np.bool_], Array]:
         """-> (BEAMS, R) whether it sees each place, and (BEAMS,) how far it is [m] to the surface that a ray goes

@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <limits>
 
 #include "../count_from.hpp"
 #include "firmware_bench.hpp"
@@ -217,6 +219,47 @@ TEST_F(JoystickLinkTest, ends_at_once_also_while_it_looks_for_its_port) {
   const double since = JoystickLink::now();
   link.reset();
   EXPECT_LT(JoystickLink::now() - since, 1.0);
+}
+
+TEST_F(JoystickLinkTest, it_may_be_closed_by_several_threads_at_once) {
+  PluggedChip chip(port());
+  for (int round = 0; round < 10; ++round) {
+    JoystickLink link(port());
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 4; ++i) threads.emplace_back([&] { link.close(); });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(link.state(), State::disconnected);
+  }
+}
+
+TEST_F(JoystickLinkTest, the_chair_stands_when_close_returns) {
+  PluggedChip chip(port());
+  JoystickLink link(port());
+  set_off(chip, link);
+  link.close();
+  EXPECT_TRUE(within(0.03, [&] { return chip.given == 0; }));
+}
+
+TEST_F(JoystickLinkTest, what_is_not_waited_for_is_refused) {
+  PluggedChip chip(port());
+  for (const double patience :
+       {-1.0, 0.0, 1e10, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(JoystickLink(port(), patience), std::invalid_argument) << patience;
+}
+
+TEST_F(JoystickLinkTest, a_process_that_was_forked_leaves_the_port_to_its_parent) {
+  PluggedChip chip(port());
+  JoystickLink link(port());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    link.close();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_THROW(JoystickLink(port(), 0.3), DeviceError);
+  set_off(chip, link);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ from lfdcore.control import (
 )
 from lfdcore.datasets import DriveLog, read_map, write_map
 from lfdcore.errors import DataError
-from lfdcore.geometry import Footprint, MotionLimits, Twist2, resample
+from lfdcore.geometry import Footprint, MotionLimits, Pose2, Twist2, resample
 from lfdcore.grid import ObstaclePoints, OccupancyGrid
 from lfdcore.planning import HybridAstar, baseline_preference
 
@@ -36,7 +36,9 @@ def outcome(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
 
 
 def empty_log(stamps: int = 1) -> DriveLog:
-    return DriveLog(scan_stamp=np.arange(stamps, dtype=float), ranges=np.ones((stamps, 5), np.float32))
+    return DriveLog(
+        scan_stamp=np.arange(stamps, dtype=float), ranges=np.ones((stamps, 5), np.float32), T_base_laser=Pose2()
+    )
 
 
 def changed_map(folder: Path, key: str, value: str, before: str = "") -> Path:
@@ -74,7 +76,7 @@ def test_info_tells_of_a_log_without_odometry(
 ) -> None:
     empty_log().save(tmp_path / "still.mcap")
     assert outcome(monkeypatch, "info", tmp_path / "still.mcap") == 0
-    assert "0 records, 0.0 m" in capsys.readouterr().out
+    assert "records 0, way [m] 0" in capsys.readouterr().out
 
 
 def test_learn_does_not_replace_a_log_that_it_learns_from(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

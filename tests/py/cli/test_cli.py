@@ -196,16 +196,36 @@ def test_info_tells_a_log_a_model_and_a_map_apart(files: Path, model: Path, cli:
     learned = facts(cli("info", model, "--json"))
     grid = facts(cli("info", files / "home.yaml", "--json"))
     assert [log["kind"], learned["kind"], grid["kind"]] == ["drive log", "drive assistant model", "occupancy grid map"]
-    assert "of 181 beams" in log["scans"]
+    assert log["scans"]["beams"] == 181
+    assert log["wrong"] == []
     assert learned["n_paths"] > 100
     assert learned["bytes"] > 1000
     assert grid["resolution [m]"] == 0.05
 
 
+def test_convert_writes_a_drive_log_and_replaces_nothing_unasked(files: Path, tmp_path: Path, cli: Cli) -> None:
+    out = tmp_path / "drive.mcap"
+    done = cli("convert", files / "drive.mcap", out, "--mounting", ".5,0,90")
+    assert done.code == 0
+    converted = facts(cli("info", out, "--json"))
+    assert converted["scanner at"] == {"x [m]": 0.5, "y [m]": 0.0, "yaw [deg]": 90.0, "upside down": False}
+    assert cli("convert", files / "drive.mcap", out, "--force").code == 0
+    for words, why in (
+        (("convert", files / "drive.mcap", out), "--force"),
+        (("convert", out, out, "--force"), "is read"),
+        (("convert", out, tmp_path / "x.bag"), "must end in .mcap"),
+        (("info", out, "--scan", "/scan"), "are for bags"),
+        (("info", out, "--mounting", "1,2"), "--mounting"),
+    ):
+        refused = cli(*words)
+        assert refused.code == 2
+        assert why in " ".join(refused.err.replace("│", " ").split())
+
+
 def test_info_for_people_has_the_same_facts(files: Path, cli: Cli) -> None:
     outcome = cli("info", files / "drive.mcap")
     assert outcome.code == 0
-    for name in facts(cli("info", files / "drive.mcap", "--json")):
+    for name in facts(cli("info", files / "drive.mcap", "--json")).keys() - {"wrong", "told"}:
         assert name in outcome.out
 
 

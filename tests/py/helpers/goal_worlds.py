@@ -8,6 +8,7 @@ import numpy as np
 
 from lfdcore.datasets import DriveLog, Goal, Goals
 from lfdcore.estimation import ActionKernel
+from lfdcore.geometry import Pose2
 from lfdcore.wheelchair.goals.model import GoalFilterConfig, GoalModel
 from lfdcore.wheelchair.goals.network import GoalNetwork
 from lfdcore.wheelchair.goals.samples import GoalSamples, goal_samples
@@ -40,6 +41,7 @@ def drive_to(goal: int, seed: int, *, period: float = 0.1, speed: float = 0.6) -
         joystick=stick.clip(-1, 1),
         map_stamp=np.zeros(1),
         map_odom=np.zeros((1, 3)),
+        T_base_laser=Pose2(),
         name=f"drive-{goal}-{seed}",
         metadata={"destination": GOALS.names[goal]},
     )

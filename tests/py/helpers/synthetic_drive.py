@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from lfdcore.datasets.motion import windowed_twist
 from lfdcore.geometry import Pose2
 from lfdcore.grid import LaserScan
 
@@ -39,6 +40,14 @@ class SyntheticLog:
     T_base_laser: Pose2 = field(default_factory=lambda: T_BASE_LASER)
     name: str = "synthetic"
     metadata: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def twist(self):
+        return windowed_twist(self.odometry_stamp, np.c_[self.pose[:, :2], np.unwrap(self.pose[:, 2])])
+
+    @property
+    def mounting(self) -> Pose2:
+        return self.T_base_laser
 
     def pose_at(self, t):
         unwrapped = np.c_[self.pose[:, :2], np.unwrap(self.pose[:, 2])]

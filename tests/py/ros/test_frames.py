@@ -6,25 +6,25 @@ import numpy as np
 import pytest
 
 from lfdcore.datasets import ros_messages as ros
+from lfdcore.datasets.frame_tree import FrameTree, Mounting, mounting_of
 from lfdcore.geometry import Pose2
 from lfdcore.ros.frames import Frames, frames_of, scan_mounting
 from lfdcore.ros.messages import scan_of
 from lfdcore.ros.options import NodeOptions
-from lfdcore.ros.static_frames import Mounting, StaticFrames, mounting_of
 from ros_words import odometry, scan, static
 
 UPSIDE_DOWN = (math.pi, 0.0, 0.0)
 
 
-def frames(*messages: object) -> StaticFrames:
+def frames(*messages: object) -> FrameTree:
     """Through bytes, as they come from a topic."""
-    tree = StaticFrames()
+    tree = FrameTree()
     for message in messages:
         tree.add(ros.deserialize(ros.serialize(message, "tf2_msgs/msg/TFMessage"), "tf2_msgs/msg/TFMessage"))
     return tree
 
 
-def mounting(tree: StaticFrames, options: NodeOptions | None = None, child: str = "base_link") -> Mounting:
+def mounting(tree: FrameTree, options: NodeOptions | None = None, child: str = "base_link") -> Mounting:
     return scan_mounting(scan(0), odometry(0, Pose2(), child=child), options or NodeOptions(), tree)
 
 

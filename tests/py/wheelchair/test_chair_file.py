@@ -58,12 +58,45 @@ def test_a_scanner_that_is_tilted_or_that_there_is_none_of_is_refused(tmp_path: 
             read_chair_file(written(tmp_path, {**TOLD, "scanners": none}))
 
 
-@pytest.mark.parametrize("value", ["1", None, True, math.nan, [1]])
+@pytest.mark.parametrize("value", ["1", None, True, [1], 10**400, "x" * 100_000])
 def test_what_is_no_number_is_named(value: object, tmp_path: Path) -> None:
     told = copy.deepcopy(TOLD)
     told["wheels"]["track"] = value
     with pytest.raises(DataError, match=r"wheels\.track"):
         read_chair_file(written(tmp_path, told))
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"errors": {"latency": 5.0, "odometry_error": 0.02}}, r"errors: latency is 5"),
+        ({"wheels": {**TOLD["wheels"], "left_radius": -1}}, r"wheels: left_radius is -1 m"),
+        ({"footprint": {**TOLD["footprint"], "front": -1}}, r"footprint.s front is -1"),
+        (
+            {
+                "scanners": {
+                    "front": TOLD["scanners"]["front"],
+                    "rear": {**TOLD["scanners"]["front"], "range_noise": -1},
+                }
+            },
+            "rear.range_noise is -1",
+        ),
+        ({"scanners": {"front": {**TOLD["scanners"]["front"], "x": 11}}}, r"scanners\.front or errors: T_base_laser"),
+    ],
+)
+def test_what_is_out_of_range_names_file_and_part(change: dict[str, Any], why: str, tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=rf"chair\.json: .*{why}"):
+        read_chair_file(written(tmp_path, TOLD | change))
+
+
+def test_whole_turns_are_none_and_a_key_comes_once(tmp_path: Path) -> None:
+    told = copy.deepcopy(TOLD)
+    told["scanners"]["front"]["yaw_degrees"] = 720
+    assert read_chair_file(written(tmp_path, told)).scanners["front"].T_base_laser.yaw == pytest.approx(0)
+    for text in ('{"footprint": {}, "footprint": {}}', '{"limits": NaN}', "[" * 10_000):
+        (tmp_path / "chair.json").write_text(text)
+        with pytest.raises(DataError, match="is no JSON file"):
+            read_chair_file(tmp_path / "chair.json")
 
 
 def test_a_name_too_many_is_named(tmp_path: Path) -> None:

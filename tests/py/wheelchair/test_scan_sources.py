@@ -16,7 +16,7 @@ from lfdcore.errors import DataError, DeviceError
 from lfdcore.geometry import Footprint, Pose2
 from lfdcore.grid import LaserScan, read_beams
 from lfdcore.wheelchair.observation import ChairGeometry
-from lfdcore.wheelchair.scan_sources import Merged, ScanSource, merge_scans, scan_source
+from lfdcore.wheelchair.scan_sources import Merged, ReplaySource, ScanSource, ScipSource, merge_scans
 from lfdcore.wheelchair.watch import BLIND, STALE, Watch
 from observed import observed
 from scip_device import UTM_30LX, PtyLink, ScipDevice, TcpLink
@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 BODY = Footprint()
 FRONT, REAR = Pose2(0.70, 0.0, 0.0), Pose2(-0.30, 0.0, math.pi)
 RANGE_MAX = 30.0
+REACH = RANGE_MAX - 0.70
+"""[m] from base_link that a scanner at FRONT sees"""
 HALL = np.array(
     [
         [[-6.0, -5.0], [7.0, -5.0]],
@@ -94,7 +96,7 @@ class Given:
 def test_what_any_scanner_hits_is_hit_in_the_merged_scan_and_nothing_is_farther(seed: int) -> None:
     walls = random_world(seed)
     placed = [(view(walls, pose), pose) for pose in (FRONT, REAR)]
-    merged = merge_scans(placed, BODY)
+    merged = merge_scans(placed, BODY, REACH)
     for scan, pose in placed:
         for x, y in hits(scan, pose):
             beam = round((math.atan2(y, x) - merged.angle_min) / merged.angle_increment) % len(merged.ranges)
@@ -105,7 +107,7 @@ def test_what_any_scanner_hits_is_hit_in_the_merged_scan_and_nothing_is_farther(
 @pytest.mark.parametrize("seed", range(8))
 def test_a_beam_that_says_free_meets_nothing(seed: int) -> None:
     walls = random_world(seed)
-    merged = merge_scans([(view(walls, pose), pose) for pose in (FRONT, REAR)], BODY)
+    merged = merge_scans([(view(walls, pose), pose) for pose in (FRONT, REAR)], BODY, REACH)
     free = np.isposinf(merged.ranges)
     assert free.any() == (seed % 2 == 0)
     if free.any():
@@ -115,7 +117,7 @@ def test_a_beam_that_says_free_meets_nothing(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_what_a_merged_beam_hits_is_there(seed: int) -> None:
     walls = random_world(seed)
-    merged = merge_scans([(view(walls, pose), pose) for pose in (FRONT, REAR)], BODY)
+    merged = merge_scans([(view(walls, pose), pose) for pose in (FRONT, REAR)], BODY, REACH)
     points = hits(merged, Pose2())
     edge = walls[:, 1] - walls[:, 0]
     off = points[:, None] - walls[:, 0]
@@ -124,7 +126,7 @@ def test_what_a_merged_beam_hits_is_there(seed: int) -> None:
 
 
 def test_two_scanners_at_opposite_ends_see_nearly_all_around() -> None:
-    merged = merge_scans([(view(HALL, pose), pose) for pose in (FRONT, REAR)], BODY)
+    merged = merge_scans([(view(HALL, pose), pose) for pose in (FRONT, REAR)], BODY, REACH)
     assert np.isfinite(merged.ranges).all()
     assert len(merged.ranges) == 720
     assert merged.angle_increment * 720 == pytest.approx(2 * math.pi)
@@ -132,7 +134,7 @@ def test_two_scanners_at_opposite_ends_see_nearly_all_around() -> None:
 
 def test_where_no_scanner_looks_is_not_measured() -> None:
     open_space = np.array([[[100.0, 0.0], [101.0, 0.0]]])
-    merged = merge_scans([(view(open_space, FRONT), FRONT)], BODY)
+    merged = merge_scans([(view(open_space, FRONT), FRONT)], BODY, REACH)
     angles = merged.angles()
     # Farther aside, a ray leaves the chair's outline where the scanner, which looks 135 degrees aside, sees nothing.
     assert np.isposinf(merged.ranges[np.abs(angles) < math.radians(44)]).all()
@@ -142,7 +144,7 @@ def test_where_no_scanner_looks_is_not_measured() -> None:
 def test_what_stands_behind_something_is_not_free() -> None:
     """The chest hides what lies behind it from the scanner ahead, though it is in view from the axle."""
     chest = box(1.0, 0.5, 0.6)
-    merged = merge_scans([(view(chest, FRONT), FRONT)], BODY)
+    merged = merge_scans([(view(chest, FRONT), FRONT)], BODY, REACH)
     angles, radii = merged.angles()[np.isposinf(merged.ranges)], np.arange(1, 10, 0.1)
     x = np.outer(radii, np.cos(angles)).ravel() - FRONT.x
     y = np.outer(radii, np.sin(angles)).ravel() - FRONT.y
@@ -151,7 +153,7 @@ def test_what_stands_behind_something_is_not_free() -> None:
 
 def test_a_coarse_scanner_leaves_no_gaps_in_a_wall() -> None:
     scan = view(HALL, FRONT, beams=181, increment=math.radians(1))
-    merged = merge_scans([(scan, FRONT)], BODY)
+    merged = merge_scans([(scan, FRONT)], BODY, REACH)
     ahead = np.abs(merged.angles()) < math.radians(60)
     assert np.isfinite(merged.ranges[ahead]).all()
 
@@ -159,9 +161,9 @@ def test_a_coarse_scanner_leaves_no_gaps_in_a_wall() -> None:
 def test_a_far_hit_is_kept_though_another_scanner_reaches_less_far() -> None:
     wall = np.array([[[20.0, -5.0], [20.0, 5.0]]])
     near = LaserScan([math.inf] * 1081, -math.radians(135), math.radians(0.25), 0.02, 5.6)
-    merged = merge_scans([(view(wall, FRONT), FRONT), (near, REAR)], BODY)
+    merged = merge_scans([(view(wall, FRONT), FRONT), (near, REAR)], BODY, REACH)
     assert merged.ranges[360] == pytest.approx(20.0, abs=1e-4)
-    assert merged.range_max == pytest.approx(RANGE_MAX - FRONT.x)
+    assert merged.range_max == pytest.approx(REACH)
     assert np.isnan(merged.ranges[0]), "behind, nobody has seen so far"
 
 
@@ -199,6 +201,30 @@ def test_a_watch_is_blind_where_the_front_scanner_measures_nothing() -> None:
         assert watched(merged, 10.01) == BLIND
 
 
+@pytest.mark.parametrize("jump", [math.nan, math.inf, 1e300, 0.6])
+@pytest.mark.hazard("One of two scanners hides what the other sees", "no scan where nobody knows how the chair moved")
+def test_where_odometry_does_not_tell_how_the_chair_moved_the_last_scan_grows_old(jump: float) -> None:
+    front, rear = Given(FRONT), Given(REAR)
+    where = {10.0: 0.0, 10.02: 0.01, 11.0: 1.0, 11.02: jump + 1.0}
+    merged = Merged([front, rear], BODY, lambda stamp: Pose2(where[stamp], 0.0, 0.0))
+    front.said, rear.said = (view(HALL, FRONT), 10.02), (view(HALL, REAR), 10.0)
+    first = merged.newest()
+    front.said, rear.said = (view(HALL, FRONT), 11.02), (view(HALL, REAR), 11.0)
+    assert merged.newest() is first
+
+
+def test_the_merged_scans_layout_stays_while_the_chair_moves() -> None:
+    front, rear = Given(FRONT), Given(REAR)
+    merged = Merged([front, rear], BODY, lambda stamp: Pose2(stamp, 0.0, 0.0))
+    layouts = set()
+    for k in range(5):
+        front.said, rear.said = (view(HALL, FRONT), 10 + k + 0.01 * k), (view(HALL, REAR), 10.0 + k)
+        newest = merged.newest()
+        assert newest is not None
+        layouts.add((newest[0].angle_min, newest[0].range_max, len(newest[0].ranges)))
+    assert len(layouts) == 1
+
+
 def test_scans_of_other_stamps_are_moved_to_the_older_one() -> None:
     speed = 1.0
     poses: list[float] = []
@@ -221,7 +247,7 @@ def test_scans_of_other_stamps_are_moved_to_the_older_one() -> None:
 def test_the_same_scans_are_merged_once() -> None:
     front = Given(FRONT)
     front.said = (view(HALL, FRONT), 10.0)
-    merged = Merged([front], BODY)
+    merged = Merged([front], BODY, REACH)
     assert merged.newest() is merged.newest()
 
 
@@ -245,13 +271,13 @@ def test_scanners_that_cannot_be_merged_are_refused(sources: list[Given], messag
 
 def test_a_scanner_that_does_not_reach_beyond_its_mounting_is_refused() -> None:
     with pytest.raises(ValueError, match="no scanner reaches"):
-        merge_scans([(LaserScan([0.1], 0.0, 0.1, 0.02, 0.5), FRONT)], BODY)
+        merge_scans([(LaserScan([0.1], 0.0, 0.1, 0.02, 0.5), FRONT)], BODY, -0.2)
 
 
 @pytest.mark.parametrize("make_link", [PtyLink, lambda _: TcpLink()])
 def test_a_lidar_is_a_source(make_link: Callable[[Path], PtyLink | TcpLink], tmp_path: Path) -> None:
     with ScipDevice(make_link(tmp_path), lambda _: [1234] * UTM_30LX.beams) as device:
-        source = scan_source(f"scip:{device.address}", T_base_laser=FRONT)
+        source = ScipSource(device.address, FRONT)
         while (newest := source.newest()) is None:
             time.sleep(0.002)
         assert newest[0].ranges[0] == np.float32(1.234)
@@ -274,7 +300,7 @@ def test_a_recorded_drive_is_replayed_as_fast_as_it_was_driven(tmp_path: Path) -
     path = tmp_path / "drive.mcap"
     DriveLog(scan_stamp=stamps, ranges=ranges, T_base_laser=FRONT).save(path)
     begin = time.monotonic()
-    source = scan_source(str(path))
+    source = ReplaySource(path)
     assert source.T_base_laser == FRONT
     assert source.scan_period == pytest.approx(0.02)
     seen: dict[float, float] = {}
@@ -294,14 +320,10 @@ def test_a_recorded_drive_is_replayed_as_fast_as_it_was_driven(tmp_path: Path) -
 
 
 def test_what_is_named_wrongly_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="mounting T_base_laser of a LIDAR must be given"):
-        scan_source("scip:/dev/ttyACM0")
-    with pytest.raises(ValueError, match="has its own mounting"):
-        scan_source("drive.mcap", T_base_laser=FRONT)
     with pytest.raises(FileNotFoundError):
-        scan_source("no_such_drive.mcap")
+        ReplaySource(tmp_path / "no_such_drive.mcap")
     with pytest.raises(DeviceError, match=re.escape(f"{tmp_path}/ttyACM0: there is no such device")):
-        scan_source(f"scip:{tmp_path}/ttyACM0", T_base_laser=FRONT)
+        ScipSource(f"{tmp_path}/ttyACM0", FRONT)
     (tmp_path / "notes.txt").write_text("no drive")
     with pytest.raises(DataError):
-        scan_source(str(tmp_path / "notes.txt"))
+        ReplaySource(tmp_path / "notes.txt")

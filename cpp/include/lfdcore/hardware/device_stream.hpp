@@ -51,6 +51,7 @@ class DeviceStream {
   [[noreturn]] void lose(int error) const;
 
   int file_ = -1, wake_ = -1;  // wake_: an eventfd
+  int owner_ = 0;              // the process that opened it
   bool is_socket_ = false;
   std::string name_;
 };

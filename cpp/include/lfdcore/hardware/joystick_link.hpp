@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -18,14 +19,16 @@ class JoystickLink {
  public:
   static constexpr int baud = 115200;
 
-  /// Opens the port and waits for the first report, `patience` [s] at the longest. Throws DeviceError for a port that
-  /// cannot be opened, and for one at which nothing, or something else, talks.
-  explicit JoystickLink(std::string port, double patience = 3);
+  /// Opens the port and waits for the first report, `patience` [s] at the longest, 60 at most. Throws DeviceError for a
+  /// port that cannot be opened, and for one at which nothing, or something else, talks. `meanwhile` is called ten
+  /// times a second; what it throws ends the waiting.
+  explicit JoystickLink(std::string port, double patience = 3, const std::function<void()>& meanwhile = {});
   ~JoystickLink();
   JoystickLink(const JoystickLink&) = delete;
   JoystickLink& operator=(const JoystickLink&) = delete;
 
-  /// Ends the thread and lets the port go; then the state is `disconnected`.
+  /// Commands 0, waits until a report has been answered with it (30 ms at the longest), ends the thread and lets the
+  /// port go; then the state is `disconnected`.
   void close();
 
   /// What the newest report says; nothing while there is none.
@@ -62,6 +65,9 @@ class JoystickLink {
   bool wait_to_look_again();
   void send(const std::vector<std::uint8_t>& bytes);
   JoystickIdentity wait_for_identity(std::unique_lock<std::mutex>& lock);
+  bool wait_for_report(double patience, const std::function<void()>& meanwhile);
+  void say_farewell();
+  void require_open() const;
   std::string why_no_report() const;
 
   std::string port_;
@@ -71,7 +77,9 @@ class JoystickLink {
   std::vector<std::uint8_t> to_send_;
   std::string fault_ = "not yet connected";
   bool stopping_ = false;
+  std::mutex closing_;
   std::optional<DeviceStream> stream_;  // of the thread alone, but for interrupt()
+  int owner_;                           // the process whose thread it is
   std::thread thread_;
 };
 

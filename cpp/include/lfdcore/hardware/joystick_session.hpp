@@ -91,8 +91,8 @@ class JoystickSession {
   const std::optional<JoystickReading>& newest() const { return newest_; }
   const std::optional<JoystickIdentity>& identity() const { return identity_; }
   const LinkStatistics& statistics() const { return statistics_; }
-  /// Whether what came since the last report were no frames.
-  bool hears_nonsense() const { return nonsense_; }
+  /// Whether more came since the last report than a frame is long: so they were none.
+  bool hears_nonsense() const { return unheard_ > joystick::most_wire; }
   /// Of the protocol, if a frame of another version came in: then the firmware is another one's.
   bool met_other_version() const { return other_version_; }
 
@@ -127,7 +127,8 @@ class JoystickSession {
   joystick::Axes stick_{0, 0};
   std::uint32_t not_neutral_ = 0;  // tick of the last report with the stick out
   std::uint8_t sequence_ = 0;
-  bool bad_command_ = false, other_version_ = false, nonsense_ = false;
+  bool bad_command_ = false, other_version_ = false;
+  std::size_t unheard_ = 0;  // bytes since the last report
 };
 
 }  // namespace lfdcore

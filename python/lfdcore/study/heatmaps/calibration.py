@@ -69,13 +69,13 @@ def judged_cells(
     no log holds such a scan."""
     heats, crossings, runs = [], [], []
     for run, log in enumerate(logs):
-        chair = ChairGeometry.thesis(log.T_base_laser)
+        chair = ChairGeometry.thesis(log.mounting)
         planner = HeatmapPlanner(model, config or HeatmapPlannerConfig(), chair)
         due = -np.inf
         for now in observations(log):
             if now.stamp < due or now.twist.linear < MOVING:
                 continue
-            seen = local_grid(now.scan, log.T_base_laser)
+            seen = local_grid(now.scan, log.mounting)
             crossed = crossed_cells(log, int(np.searchsorted(log.scan_stamp, now.stamp)))
             heat = planner.heat(now, seen)
             if crossed is None or heat is None:

@@ -269,7 +269,7 @@ def compare_on_logs(
 def compare_on_log(log: DriveLog, models: ComparedModels, config: ComparisonConfig | None = None) -> ComparedRun:
     """One drive. ValueError if it holds no frame: no joystick or odometry, or a chair that never drives."""
     config = config or ComparisonConfig()
-    chair = ChairGeometry.thesis(log.T_base_laser)
+    chair = ChairGeometry.thesis(log.mounting)
     canvas, driven = run_map(log), _spaced_poses(log)
     asked = {name: _Asked(method, canvas) for name, method in methods(models, config, chair).items()}
     walls, seen = HeatmapMap(canvas), HeatmapMap(canvas)

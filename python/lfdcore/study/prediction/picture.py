@@ -37,7 +37,7 @@ def scan_map(log: DriveLog, resolution: float = 0.05) -> OccupancyGrid:
     Coarser than `resolution` [m] where the drive is so long that the map had more than 4000 cells on a side.
     """
     used = _spread(log)
-    poses = [Pose2(*pose) * log.T_base_laser for pose in log.pose_at(log.scan_stamp[used])]
+    poses = [Pose2(*pose) * log.mounting for pose in log.pose_at(log.scan_stamp[used])]
     angle: Array = log.angle_min + log.angle_increment * np.arange(log.ranges.shape[1], dtype=np.float64)
     lengths, hits = read_beams(log.ranges[used], log.range_min, log.range_max)
     ends = np.array([_ends(pose, length, angle) for pose, length in zip(poses, lengths, strict=True)])

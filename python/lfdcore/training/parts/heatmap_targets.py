@@ -152,7 +152,7 @@ def _add_pair(
     to: _Collected, dropped: Counter[str], number: int, index: int, place: _Place, config: HeatmapTargetConfig
 ) -> None:
     log = place.logs[number]
-    free = free_mask(local_grid(log.scan(index), log.T_base_laser))
+    free = free_mask(local_grid(log.scan(index), log.mounting))
     if not free.any():
         dropped["sees nothing"] += 1
         return

@@ -332,7 +332,7 @@ def localise_log(
     localiser, found = ScanLocaliser(grid, initial), []
     poses = log.pose_at(log.scan_stamp).tolist()
     for k, pose in enumerate(poses):
-        found.append(localiser.update(log.scan(k), log.T_base_laser, Pose2(*pose)))
+        found.append(localiser.update(log.scan(k), log.mounting, Pose2(*pose)))
         if progress is not None:
             progress(k + 1, len(poses))
     return found

@@ -10,7 +10,7 @@ base_link at the instant of a scan and ends at the first of:
 - `reverse`: it has gone back by more than 3 cm; the end lies where it turned back;
 - `behind`: it is behind the axle of the start;
 - `rest`: it stands still for more than 1 s; the end lies where it came to rest (docking);
-- `gap`: no odometry for more than 3 s; such a path has no known end and is dropped;
+- `gap`: no odometry for more than 3 s, or odometry that jumps; such a path has no known end and is dropped;
 - `log`: the log ends: taken as coming to rest, since a demonstration often ends on arrival;
 - `time`: 60 s have passed (creeping); dropped like a gap.
 """
@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lfdcore.datasets.motion import odometry_jumps
 from lfdcore.geometry import wrap_angle
 from lfdcore.grid import read_beams
 from lfdcore.wheelchair.beams import BeamGeometry
@@ -149,7 +150,7 @@ class LocalPaths:
 
 def beam_geometry(log: DriveLog) -> BeamGeometry:
     """The log's laser. ValueError for a log whose scans have no beams."""
-    return BeamGeometry(log.ranges.shape[1], log.angle_min, log.angle_increment, log.T_base_laser)
+    return BeamGeometry(log.ranges.shape[1], log.angle_min, log.angle_increment, log.mounting)
 
 
 def extract_local_paths(log: DriveLog, config: LocalPathConfig | None = None) -> LocalPaths:
@@ -201,7 +202,7 @@ class _Track:
         )
         # last_moved[j]: the newest instant up to j at which the chair moved on the step before it
         self.last_moved = np.maximum.accumulate(np.r_[0, np.where(moving, np.arange(1, len(self.stamp)), 0)])
-        self.gap = np.r_[False, _in_gap(np.asarray(log.odometry_stamp), self.stamp[1:], config.gap)]
+        self.gap = np.r_[False, _in_gap(log, self.stamp[1:], config.gap)]
 
     def local(self, start: NDArray[np.intp], at: NDArray[np.intp]) -> Floats:
         """Positions (N, 2) at instants `at`, in base_link at instants `start`."""
@@ -210,9 +211,10 @@ class _Track:
         return np.stack([c * off[:, 0] + s * off[:, 1], -s * off[:, 0] + c * off[:, 1]], 1)
 
 
-def _in_gap(odometry: Floats, stamps: Floats, longest: float) -> NDArray[np.bool_]:
+def _in_gap(log: DriveLog, stamps: Floats, longest: float) -> NDArray[np.bool_]:
+    odometry = np.asarray(log.odometry_stamp)
     after = np.clip(np.searchsorted(odometry, stamps), 1, len(odometry) - 1)
-    return odometry[after] - odometry[after - 1] > longest
+    return (odometry[after] - odometry[after - 1] > longest) | odometry_jumps(log)[after]
 
 
 class _Walk:

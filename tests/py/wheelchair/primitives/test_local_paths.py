@@ -169,6 +169,16 @@ def test_the_end_of_the_log_counts_as_arrival():
     np.testing.assert_allclose(path[-1], [1.0, 0.0], atol=1e-9)
 
 
+def test_no_path_goes_across_a_jump_of_the_odometry():
+    stamps, poses, stick = drive([(8.0, 0.5, 0.0)])
+    poses = np.array(poses)
+    poses[40:] -= poses[40] - [0.2, -0.3, 0.0]  # it began anew
+    paths = extract_local_paths(log_of(stamps, poses, stick, FAR_WALLS))
+    steps = [np.linalg.norm(np.diff(path, axis=0), axis=1).max() for path in paths.paths]
+    assert max(steps) < 0.2
+    assert paths.dropped["gap"] >= 10
+
+
 def test_a_gap_in_the_odometry_and_creeping_give_no_path_and_are_counted():
     stamps, poses, stick = drive([(6, 0.5, 0.0)])
     gap = np.where(np.arange(len(stamps)) >= 30, stamps + 5.0, stamps)
