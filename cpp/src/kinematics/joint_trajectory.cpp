@@ -187,7 +187,10 @@ void check(const KinematicChain& chain, const Eigen::VectorXd& time, const std::
            const FollowConfig& config, const std::optional<Surroundings>& surroundings) {
   validate(config);
   require_times(time, static_cast<Eigen::Index>(poses.size()));
-  require((chain.velocity().array() > 0).all(), "a joint of the chain has a velocity limit of 0");
+  for (int i = 0; i < chain.size(); ++i)
+    if (!(chain.velocity()[i] > 0))
+      throw std::invalid_argument("joint '" + chain.joint_names()[static_cast<std::size_t>(i)] +
+                                  "' has a velocity limit of 0 in the robot's description: it could never move");
   for (const auto& pose : poses) require(pose.matrix().allFinite(), "a value of T_base_tool is not finite");
   if (!surroundings) return;
   const RowMatrix& posture = surroundings->posture;

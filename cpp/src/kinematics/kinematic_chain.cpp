@@ -111,11 +111,12 @@ Eigen::Isometry3d rigid_transform(const Eigen::Matrix4d& matrix, const std::stri
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
   const Eigen::Vector3d twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
   const double sine = 0.5 * twice_sine.norm(), cosine = 0.5 * (R.trace() - 1);
-  if (sine > 1e-6) return twice_sine * (0.5 * std::atan2(sine, cosine) / sine);
-  if (cosine > 0) return 0.5 * twice_sine;
-  // Near half a turn the sine says nothing about the axis; the quaternion's own formula does.
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
+  if (cosine < -0.9) {  // near half a turn the sine says little about the axis; the quaternion's own formula does
+    const Eigen::AngleAxisd turn(R);
+    return turn.angle() * turn.axis();
+  }
+  return sine > 1e-6 ? Eigen::Vector3d(twice_sine * (0.5 * std::atan2(sine, cosine) / sine))
+                     : Eigen::Vector3d(0.5 * twice_sine);
 }
 
 }  // namespace lfdcore

@@ -32,6 +32,7 @@ struct RobotModel::Description {
   KDL::Tree tree;
   std::vector<std::string> joint_names, link_names;
   std::vector<JointLimits> limits;
+  std::map<std::string, std::string> mimics;  ///< a joint that follows another, and which
   std::vector<Link> links;
   std::vector<Capsule> capsules;
   std::vector<int> moved_by, joint_above;
@@ -93,7 +94,7 @@ Eigen::Vector3d unit_axis(const urdf::Joint& joint) {
 
 JointLimits joint_limits(const urdf::Joint& joint) {
   constexpr double inf = std::numeric_limits<double>::infinity();
-  if (joint.type == urdf::Joint::CONTINUOUS) return {-inf, inf, joint.limits ? joint.limits->velocity : 0};
+  if (joint.type == urdf::Joint::CONTINUOUS) return {-inf, inf, joint.limits ? joint.limits->velocity : inf};
   if (!joint.limits) throw DataError("the URDF's joint '" + joint.name + "' has no limits");
   const JointLimits limits{joint.limits->lower, joint.limits->upper, joint.limits->velocity};
   if (!(limits.lower <= limits.upper) || !(limits.velocity >= 0) || std::isinf(limits.upper - limits.lower))
@@ -182,6 +183,16 @@ std::vector<Capsule> capsule_of(const urdf::Collision& collision, const std::str
   }
 }
 
+/// A rotation that brings the z axis to `axis`, orthonormal to rounding for any.
+Eigen::Matrix3d turn_z_to(const Eigen::Vector3d& axis) {
+  if (axis.z() > -0.5) return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+  Eigen::Matrix3d R;  // nearly opposite vectors do not tell which way to turn
+  R.col(2) = axis;
+  R.col(0) = axis.unitOrthogonal();
+  R.col(1) = axis.cross(R.col(0));
+  return R;
+}
+
 /// A chain's joints, each turned so that it moves about its own z axis, from KDL's segments.
 class ChainBuilder {
  public:
@@ -194,9 +205,7 @@ class ChainBuilder {
     }
     const KDL::Vector a = joint.JointAxis(), o = joint.JointOrigin();
     Eigen::Isometry3d T_segment_joint = Eigen::Isometry3d::Identity();
-    T_segment_joint.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d(a.x(), a.y(), a.z()))
-            .toRotationMatrix();
+    T_segment_joint.linear() = turn_z_to(Eigen::Vector3d(a.x(), a.y(), a.z()).normalized());
     T_segment_joint.translation() << o.x(), o.y(), o.z();
     const bool prismatic = joint.getType() == KDL::Joint::TransAxis;
     joints_.push_back({joint.getName(), limits.at(joint.getName()), prismatic, T_ * T_segment_joint});
@@ -262,6 +271,7 @@ class Reader {
     link.axis = unit_axis(joint);
     found_.joint_names.push_back(joint.name);
     found_.limits.push_back(joint_limits(joint));
+    if (joint.mimic) found_.mimics[joint.name] = joint.mimic->joint_name;
     found_.joint_above.push_back(above);
   }
 
@@ -327,7 +337,13 @@ KinematicChain RobotModel::chain(const std::string& base, const std::string& tip
   std::map<std::string, JointLimits> limits;
   for (std::size_t i = 0; i < joint_names().size(); ++i) limits[joint_names()[i]] = description_->limits[i];
   ChainBuilder builder;
-  for (const KDL::Segment& segment : chain.segments) builder.add(segment, limits);
+  for (const KDL::Segment& segment : chain.segments) {
+    const auto mimic = description_->mimics.find(segment.getJoint().getName());
+    if (mimic != description_->mimics.end())
+      throw std::invalid_argument("joint '" + mimic->first + "' between '" + base + "' and '" + tip + "' mimics '" +
+                                  mimic->second + "': a chain whose joints follow one another is not supported");
+    builder.add(segment, limits);
+  }
   return builder.finish(T_tip_tool);
 }
 

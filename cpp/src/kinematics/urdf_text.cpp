@@ -8,7 +8,7 @@ namespace lfdcore {
 namespace {
 
 constexpr std::size_t max_bytes = std::size_t{16} << 20;
-constexpr int max_depth = 64;
+constexpr int max_depth = 64, max_elements = 200'000, max_attributes = 64;
 constexpr int max_links = 2000;  // the libraries recurse along chains of links: a stack holds some ten thousand
 
 /// Walks over the markup of a text, counting open elements.
@@ -34,13 +34,14 @@ class Markup {
   void step() {
     if (starts("<!--")) return skip_past("-->");
     if (starts("<![CDATA[")) return skip_past("]]>");
-    if (starts("<?")) return skip_past("?>");
+    if (starts("<?")) return declaration();
     if (starts("<!")) throw DataError("the URDF has a document type or entities, which are refused");
     if (starts("</")) {
-      --depth_;
+      if (--depth_ < 0) throw DataError("the URDF closes more elements than it opens");
       return skip_past(">");
     }
-    ++elements_;
+    if (++elements_ > max_elements)
+      throw DataError("the URDF has more than " + std::to_string(max_elements) + " elements, which is refused");
     if (starts("<link") && ++links_ > max_links)
       throw DataError("the URDF has more than " + std::to_string(max_links) + " links, which is refused");
     open_tag();
@@ -48,15 +49,27 @@ class Markup {
       throw DataError("the URDF nests elements deeper than " + std::to_string(max_depth) + ", which is refused");
   }
 
+  /// <?xml ... ?>: the library ends it at the first '>', wherever that is.
+  void declaration() {
+    const std::size_t begin = at_;
+    skip_past("?>");
+    if (text_.substr(begin + 1, at_ - begin - 2).find_first_of("<>") != text_.npos)
+      throw DataError("the URDF has markup in a processing instruction, which is refused");
+  }
+
   /// To the end of <tag a="v">; a value may hold '>'.
   void open_tag() {
     char quote = 0;
+    int attributes = 0;
     for (++at_; at_ < text_.size(); ++at_) {
       const char c = text_[at_];
       if (quote != 0) {
         if (c == quote) quote = 0;
       } else if (c == '"' || c == '\'') {
         quote = c;
+        if (++attributes > max_attributes)
+          throw DataError("the URDF has an element of more than " + std::to_string(max_attributes) +
+                          " attributes, which is refused");
       } else if (c == '>') {
         if (text_[at_ - 1] != '/') ++depth_;
         return;

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-import os
-import stat
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from reprlib import Repr
-from tempfile import TemporaryFile
-from threading import Lock
 from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from lfdcore.datasets.map_image import MOST_CELLS, MapImage, read_map_image
 from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2, wrap_angle
 from lfdcore.grid import OccupancyGrid
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
@@ -27,23 +22,22 @@ FINEST, COARSEST = 0.001, 1.0
 """Resolutions [m] that are read: finer than a millimetre, or coarser than the chair, a cell says nothing of a room"""
 FARTHEST = 1e6
 """[m] of a map's origin"""
-MOST_CELLS = 100_000_000
-"""of a map that is read: 500 x 500 m at 0.05 m"""
+MODES = ("trinary", "scale", "raw")
 FREE_THRESHOLD, OCCUPIED_THRESHOLD = 0.196, 0.65
 """What `write_map` states; the shares of black below and above which a pixel is free and occupied"""
 _SHORT = Repr()
 _SHORT.maxlevel = 2  # aliases make a few lines of YAML unfold to gigabytes
-_STDERR = Lock()  # there is one for all threads
 _FREE_PIXEL, _UNKNOWN_PIXEL, _OCCUPIED_PIXEL = 254, 205, 0  # as map_saver
 
 
 def read_map(path: str | Path) -> OccupancyGrid:
     """Reads a map by its .yaml: resolution [m], origin [x, y, yaw] [m, rad], image, negate, thresholds, mode.
 
-    Cells are 0 free, 100 occupied, -1 unknown (mode trinary). `image` is taken relative to the .yaml. DataError naming
-    the key for one that is missing or of the wrong type or value, for an image that is missing, cut, no image or of
-    more than 100 million cells, a resolution outside 0.001..1 m, a mode other than trinary and an origin turned by a
-    yaw or farther off than 1000 km. FileNotFoundError without the .yaml.
+    Cells are 0 free, 100 occupied, -1 unknown; with mode scale all in between too, with raw what the image says, as
+    map_server has them. Where the image is transparent nothing is known. An origin that is turned by a yaw is turned
+    back, cell by cell. `image` is taken relative to the .yaml. DataError naming the key for one that is missing or of
+    the wrong type or value, for an image that is missing, cut, no image or of more than 100 million cells, a resolution
+    outside 0.001..1 m, another mode, and an origin farther off than 1000 km. FileNotFoundError without the .yaml.
     """
     path = Path(path)
     described = _described(path)
@@ -55,15 +49,20 @@ def read_map(path: str | Path) -> OccupancyGrid:
         raise DataError(
             f"{path}: free_thresh is {free}, occupied_thresh {occupied}; must be 0 <= free <= occupied <= 1"
         )
-    if (mode := described.get("mode", "trinary")) != "trinary":
-        raise DataError(f"{path}: mode is {_SHORT.repr(mode)}, only 'trinary' is read")
-    origin = _origin(path, described)
+    if (mode := described.get("mode", "trinary")) not in MODES:
+        raise DataError(f"{path}: mode is {_SHORT.repr(mode)}, must be one of {', '.join(MODES)}")
+    origin, negated = _origin(path, described), _negated(path, described)
     image = _image(path, described)
-    black = np.arange(256) / 255.0 if _negated(path, described) else np.arange(255, -1, -1) / 255.0
-    meaning = np.full(256, UNKNOWN, np.int8)  # of each grey
-    meaning[black > occupied] = OCCUPIED
-    meaning[black < free] = FREE
-    return OccupancyGrid(meaning[image[::-1]], resolution, origin)
+    shade = np.arange(image.top + 1) / image.top
+    cells = _meanings(mode, occupied, free, shade, negated)[np.minimum(image.white[::-1], image.top)]
+    if image.transparent is not None:
+        cells[image.transparent[::-1]] = UNKNOWN
+    if origin.yaw == 0:
+        return OccupancyGrid(cells, resolution, (origin.x, origin.y))
+    try:
+        return _turned(cells, resolution, origin)
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from error
 
 
 def write_map(grid: OccupancyGrid, path: str | Path) -> None:
@@ -126,9 +125,19 @@ def _number(path: Path, described: dict[str, Any], key: str) -> float:
 
 
 def _finite(path: Path, key: str, value: Any) -> float:
+    if isinstance(value, str):  # 5e-2 is a text in YAML 1.1, and a number for map_server
+        value = _told_number(value)
     if isinstance(value, bool) or not isinstance(value, int | float) or not _fits(value):
         raise DataError(f"{path}: {key} is {_SHORT.repr(value)}, must be a finite number")
     return float(value)
+
+
+def _told_number(text: str) -> Any:
+    """The number that a text is; else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _fits(value: float) -> bool:
@@ -138,16 +147,14 @@ def _fits(value: float) -> bool:
         return False
 
 
-def _origin(path: Path, described: dict[str, Any]) -> tuple[float, float]:
+def _origin(path: Path, described: dict[str, Any]) -> Pose2:
     origin = _entry(path, described, "origin")
     if not isinstance(origin, list) or len(origin) != 3:
         raise DataError(f"{path}: origin is {_SHORT.repr(origin)}, must be [x, y, yaw]")
     x, y, yaw = (_finite(path, "origin", value) for value in origin)
-    if yaw != 0:
-        raise DataError(f"{path}: origin is turned by {yaw} rad, only 0 is read")
     if max(abs(x), abs(y)) > FARTHEST:
         raise DataError(f"{path}: origin is ({x:g}, {y:g}) m, must lie within {FARTHEST:g} m")
-    return x, y
+    return Pose2(x, y, float(wrap_angle(yaw)))
 
 
 def _negated(path: Path, described: dict[str, Any]) -> bool:
@@ -157,45 +164,47 @@ def _negated(path: Path, described: dict[str, Any]) -> bool:
     return bool(negate)
 
 
-@contextmanager
-def _caught_stderr() -> Iterator[list[str]]:
-    """Lines written to file descriptor 2 meanwhile: OpenCV's decoders tell nobody else what is wrong with an image."""
-    lines: list[str] = []
-    with _STDERR, TemporaryFile() as caught:
-        before = os.dup(2)
-        os.dup2(caught.fileno(), 2)
-        try:
-            yield lines
-        finally:
-            os.dup2(before, 2)
-            os.close(before)
-        caught.seek(0)
-        lines += caught.read().decode("utf-8", "replace").splitlines()
-
-
-def _image(path: Path, described: dict[str, Any]) -> NDArray[np.uint8]:
-    """(height, width) of grey values, row 0 at the top"""
-    import cv2
-
+def _image(path: Path, described: dict[str, Any]) -> MapImage:
     name = _entry(path, described, "image")
     if not isinstance(name, str) or not name:
         raise DataError(f"{path}: image is {_SHORT.repr(name)}, must be the name of a file")
     file = path.parent / name
     try:
-        if not stat.S_ISREG(file.stat().st_mode):  # a device or a pipe may never end
-            raise DataError(f"{path}: image {file} cannot be read: is no regular file")
-        content = np.frombuffer(file.read_bytes(), np.uint8)
-    except (OSError, ValueError) as error:
-        raise DataError(f"{path}: image {file} cannot be read: {error}") from error
-    with _caught_stderr() as complaints:
-        try:
-            image = cv2.imdecode(content, cv2.IMREAD_GRAYSCALE) if content.size else None
-        except cv2.error:
-            image = None
-    if image is None:
-        raise DataError(f"{path}: image {file} is cut or no image")
-    if complaints:
-        warnings.warn(f"{path}: image {file} may be damaged: {complaints[0][:200]}", stacklevel=3)
-    if image.size > MOST_CELLS:
-        raise DataError(f"{path}: image {file} has {image.size} cells, must have at most {MOST_CELLS}")
-    return np.asarray(image, np.uint8)
+        return read_map_image(file)
+    except ValueError as error:
+        raise DataError(f"{path}: image {file} {error}") from error
+
+
+def _meanings(mode: str, occupied: float, free: float, shade: NDArray[np.float64], negated: bool) -> NDArray[np.int8]:
+    """(N,) what cells of shades (N,) are, 0 black to 1 white, as map_server has it."""
+    black = shade if negated else 1 - shade
+    meaning = np.full(shade.shape, UNKNOWN, np.int8)
+    if mode == "raw":
+        level = np.rint(255 * shade)
+        return np.where(level <= OCCUPIED, level, UNKNOWN).astype(np.int8)
+    if mode == "scale" and occupied > free:
+        between = (black >= free) & (black <= occupied)
+        meaning[between] = np.rint((black[between] - free) / (occupied - free) * OCCUPIED).astype(np.int8)
+    meaning[black > occupied] = OCCUPIED
+    meaning[black < free] = FREE
+    return meaning
+
+
+def _turned(cells: NDArray[np.int8], resolution: float, origin: Pose2) -> OccupancyGrid:
+    """A grid whose corner is turned by origin.yaw, as one that is not: each cell is what lies at its middle."""
+    height, width = cells.shape
+    ends = origin.transform(resolution * np.array([[0, 0], [width, 0], [0, height], [width, height]], float))
+    low = np.floor((ends.min(axis=0) - [origin.x, origin.y]) / resolution) * resolution + [origin.x, origin.y]
+    count = np.ceil((ends.max(axis=0) - low) / resolution - 1e-9).astype(int)
+    if int(count[0]) * int(count[1]) > MOST_CELLS:
+        raise ValueError(
+            f"turned by {origin.yaw} rad it has {count[0] * count[1]} cells, must have {MOST_CELLS} at most"
+        )
+    turned = np.full((count[1], count[0]), UNKNOWN, np.int8)
+    x = low[0] + resolution * (np.arange(count[0]) + 0.5)
+    for row in range(count[1]):  # a row at a time: a map may have a hundred million cells
+        y = np.full(count[0], low[1] + resolution * (row + 0.5))
+        place = np.floor(origin.inverse().transform(np.stack([x, y], axis=1)) / resolution).astype(int)
+        inside = (place >= 0).all(axis=1) & (place < [width, height]).all(axis=1)
+        turned[row, inside] = cells[place[inside, 1], place[inside, 0]]
+    return OccupancyGrid(turned, resolution, (float(low[0]), float(low[1])))

@@ -201,6 +201,7 @@ TEST(SupervisorPromise, what_is_let_through_keeps_every_points_distance_for_any_
     breaches += breach > tolerance;
     worst = std::max(worst, breach);
   }
+  std::printf("%ld states, %ld breaches, the worst %.3f mm into a demand\n", states, breaches, 1e3 * worst);
   RecordProperty("states", static_cast<int>(states));
   RecordProperty("breaches", static_cast<int>(breaches));
   RecordProperty("worst_breach_um", static_cast<int>(1e6 * worst));

@@ -1,6 +1,7 @@
 """map_server maps: flipped once, thresholds as map_server has them, refusals that name the key."""
 
 import os
+import struct
 from pathlib import Path
 
 import cv2
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from lfdcore.datasets import read_map, write_map
 from lfdcore.errors import DataError
+from lfdcore.geometry import Pose2
 from lfdcore.grid import OccupancyGrid
 
 GOOD = {
@@ -34,12 +36,78 @@ def write(folder: Path, pixels: np.ndarray | bytes = PIXELS, suffix: str = ".pgm
     return path
 
 
+def bomb() -> bytes:
+    """A PNG whose head says 60000 x 60000 pixels."""
+    small = cv2.imencode(".png", PIXELS)[1].tobytes()
+    return small[:16] + struct.pack(">II", 60_000, 60_000) + small[24:]
+
+
 @pytest.mark.parametrize("suffix", [".pgm", ".png"])
 def test_row_0_of_the_grid_is_the_bottom_row_of_the_image(tmp_path: Path, suffix: str) -> None:
     grid = read_map(write(tmp_path, suffix=suffix))
     np.testing.assert_array_equal(grid.data, [[0, 0, 100], [100, 0, -1]])
     assert (grid.resolution, grid.origin) == (0.05, (-1.0, 2.0))
     assert grid.cell_at(-0.99, 2.01) == (0, 0)
+
+
+@pytest.mark.parametrize("maxval", [100, 255, 1000, 65535])
+@pytest.mark.parametrize("kind", [b"P2", b"P5"])
+def test_a_grey_is_a_share_of_its_files_own_white(tmp_path: Path, kind: bytes, maxval: int) -> None:
+    levels = np.array([[0, maxval, round(0.5 * maxval)]])
+    text = " ".join(map(str, levels[0])).encode() + b"\n"
+    raw = text if kind == b"P2" else levels.astype(">u2" if maxval > 255 else "u1").tobytes()
+    head = kind + b"\n# made by hand\n3 1\n" + str(maxval).encode() + b"\n"
+    np.testing.assert_array_equal(read_map(write(tmp_path, head + raw)).data, [[100, 0, -1]])
+
+
+@pytest.mark.parametrize("under", [0, 255])
+def test_what_is_transparent_is_unknown(tmp_path: Path, under: int) -> None:
+    image = np.full((2, 3, 4), 255, np.uint8)
+    image[0] = [under, under, under, 0]
+    np.testing.assert_array_equal(read_map(write(tmp_path, image, ".png")).data, [[0, 0, 0], [-1, -1, -1]])
+
+
+def test_a_colour_counts_by_the_mean_of_its_channels(tmp_path: Path) -> None:
+    image = np.array([[[255, 0, 0], [255, 255, 255], [0, 0, 0]]], np.uint8)  # a blue pixel is two thirds black
+    cells = read_map(write(tmp_path, image, ".png", occupied_thresh=0.66)).data
+    np.testing.assert_array_equal(cells, [[100, 0, 100]])
+
+
+def test_mode_scale_tells_shades_and_mode_raw_what_the_image_says(tmp_path: Path) -> None:
+    greys = np.array([[0, 254, 128, 100]], np.uint8)
+    scaled = read_map(write(tmp_path, greys, mode="scale")).data[0]
+    assert scaled.tolist() == [
+        100,
+        0,
+        round((127 / 255 - 0.196) / (0.65 - 0.196) * 100),
+        round((155 / 255 - 0.196) / 0.454 * 100),
+    ]
+    assert read_map(write(tmp_path, greys, mode="raw")).data[0].tolist() == [0, -1, -1, 100]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-4, 4), st.floats(-3, 3), st.floats(-3, 3))
+def test_a_turned_origin_is_turned_back(
+    tmp_path_factory: pytest.TempPathFactory, yaw: float, x: float, y: float
+) -> None:
+    folder = tmp_path_factory.mktemp("turned")
+    pixels = np.full((20, 30), 205, np.uint8)
+    pixels[4:9, 6:14] = 0
+    pixels[12:18, 15:28] = 254
+    straight = read_map(write(folder, pixels, origin=[0.0, 0.0, 0.0]))
+    turned = read_map(write(folder, pixels, origin=[x, y, yaw]))
+    corner = Pose2(x, y, yaw)
+    for row, column in ((8, 10), (13, 9), (4, 20), (5, 25), (2, 2)):  # well inside of each area
+        place = corner.transform(np.array([[(column + 0.5) * 0.05, (row + 0.5) * 0.05]]))[0]
+        cell = turned.cell_at(*map(float, place))
+        assert cell is not None
+        assert turned.data[cell[1], cell[0]] == straight.data[row, column]
+
+
+def test_numbers_are_read_as_map_server_reads_them(tmp_path: Path) -> None:
+    path = write(tmp_path)
+    path.write_text(path.read_text().replace("resolution: 0.05", "resolution: 5e-2"))
+    assert read_map(path).resolution == 0.05
 
 
 def test_a_negated_image_means_white_is_occupied(tmp_path: Path) -> None:
@@ -99,9 +167,8 @@ def test_a_missing_key_is_named(tmp_path: Path, key: str) -> None:
         ({"resolution": float("nan")}, "resolution is nan"),
         ({"origin": [0, 0]}, r"origin is \[0, 0\], must be \[x, y, yaw\]"),
         ({"origin": [0, "a", 0]}, "origin is 'a'"),
-        ({"origin": [0, 0, 0.5]}, "origin is turned by 0.5 rad"),
         ({"negate": 2}, "negate is 2, must be 0 or 1"),
-        ({"mode": "scale"}, "mode is 'scale', only 'trinary'"),
+        ({"mode": "shades"}, "mode is 'shades', must be one of trinary, scale, raw"),
         ({"free_thresh": 0.7}, "free_thresh is 0.7, occupied_thresh 0.65"),
         ({"occupied_thresh": 1.5}, "occupied_thresh 1.5"),
         ({"image": 3}, "image is 3, must be the name of a file"),
@@ -109,7 +176,8 @@ def test_a_missing_key_is_named(tmp_path: Path, key: str) -> None:
         ({"image": "."}, "cannot be read"),
         ({"pixels": b""}, "is cut or no image"),
         ({"pixels": b"P5\n100 100\n255\n" + bytes(50)}, "is cut or no image"),
-        ({"pixels": b"P5\n99999 99999\n255\n" + bytes(50)}, "is cut or no image"),
+        ({"pixels": b"P5\n99999 99999\n255\n" + bytes(50)}, "has 9999800001 cells"),
+        ({"pixels": bomb(), "suffix": ".png"}, "has 3600000000 cells"),
     ],
 )
 def test_a_broken_map_is_refused_with_the_key_and_the_value(tmp_path: Path, changes: dict, reason: str) -> None:
@@ -181,7 +249,7 @@ def test_a_map_on_an_absurd_scale_is_refused(tmp_path: Path, changes: dict, reas
 
 
 def test_a_map_of_too_many_cells_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lfdcore.datasets.maps.MOST_CELLS", 5)
+    monkeypatch.setattr("lfdcore.datasets.map_image.MOST_CELLS", 5)
     with pytest.raises(DataError, match=r"has \d+ cells, must have at most 5"):
         read_map(write(tmp_path))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lfdcore.errors import DataError
-from lfdcore.kinematics import InverseKinematics, RobotModel, SelfCollision
+from lfdcore.kinematics import InverseKinematics, RobotModel, SelfCollision, follow_poses
 from robots import joint, robot, ur5_forward, ur5_urdf
 
 GOOD = robot(joint("a", "base", "tip"), links=("base", "tip"))
@@ -46,6 +46,51 @@ def test_a_sliding_and_an_endless_joint_move_as_they_should() -> None:
     assert InverseKinematics(chain).solve(T).solved
 
 
+@pytest.mark.parametrize("axis", ["0 0 1", "0 1 0", "0.6 0 0.8", "1 0 0", "0 0 -1"])
+@pytest.mark.parametrize("rpy", [f"{np.pi - 10.0**-k!r} 0 0" for k in range(1, 10)] + ["3.14159 0 0", "0 3.1416 0"])
+def test_chain_and_model_agree_to_rounding_for_any_rotation_near_half_a_turn(axis: str, rpy: str) -> None:
+    xml = robot(
+        joint("a", "base", "arm", origin=f'xyz="0 0 1" rpy="{rpy}"').replace('xyz="0 0 1"/>', f'xyz="{axis}"/>'),
+        joint("b", "arm", "tip", origin=f'xyz="0.3 0 0" rpy="{rpy}"').replace('xyz="0 0 1"/>', f'xyz="{axis}"/>'),
+        links=("base", "arm", "tip"),
+    )
+    model = RobotModel.from_urdf(xml)
+    chain = model.chain("base", "tip")
+    solver = InverseKinematics(chain)
+    for q in np.random.default_rng(3).uniform(-1, 1, (20, 2)):
+        T = chain.forward(q)
+        np.testing.assert_allclose(T, model.forward(q, "tip"), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), rtol=0, atol=1e-12)
+        assert solver.solve(T).solved
+
+
+def test_a_joint_without_a_limit_of_speed_has_none_and_one_of_0_is_named() -> None:
+    endless = robot(joint("turn", "base", "tip", kind="continuous", limit=""), links=("base", "tip"))
+    model = RobotModel.from_urdf(endless)
+    assert model.limits[0].tolist() == [-np.inf, np.inf, np.inf]
+    still = robot(
+        joint("stuck", "base", "tip", limit='<limit lower="-1" upper="1" velocity="0" effort="1"/>'),
+        links=("base", "tip"),
+    )
+    chain = RobotModel.from_urdf(still).chain("base", "tip")
+    poses = np.stack([chain.forward(np.array([q])) for q in (0.0, 0.1)])
+    with pytest.raises(ValueError, match="joint 'stuck' has a velocity limit of 0"):
+        follow_poses(chain, np.array([0.0, 1.0]), poses)
+
+
+def test_a_chain_with_a_joint_that_follows_another_is_refused_by_name() -> None:
+    xml = robot(
+        joint("j5", "base", "arm"),
+        joint("j5b", "arm", "tip").replace("</joint>", '<mimic joint="j5" multiplier="-1"/></joint>'),
+        links=("base", "arm", "tip"),
+    )
+    model = RobotModel.from_urdf(xml)
+    assert model.joint_names == ["j5", "j5b"]
+    with pytest.raises(ValueError, match="joint 'j5b' between 'base' and 'tip' mimics 'j5'"):
+        model.chain("base", "tip")
+    assert model.chain("base", "arm").joint_names == ["j5"]
+
+
 def test_the_tool_is_placed_in_the_frame_of_the_tip() -> None:
     model, tool = RobotModel.from_urdf(ur5_urdf()), np.eye(4)
     tool[:3, 3] = 0.1, 0.2, 0.3
@@ -67,6 +112,13 @@ BAD = {
     "billion laughs": (ENTITIES + GOOD, "document type or entities"),
     "external entity": (EXTERNAL + GOOD.replace('"tip"', '"&x;"'), "document type or entities"),
     "too deep": ("<a>" * 10000 + "</a>" * 10000, "deeper than 64"),
+    "closed before it opens": ("</>" * 40000 + "<a>" * 40000, "closes more elements than it opens"),
+    "opened inside a processing instruction": ("<?x " + "<a>" * 40000 + "?>" + GOOD, "processing instruction"),
+    "a hundred thousand attributes": (
+        "<robot " + " ".join(f'a{i}="x"' for i in range(300_000)) + "/>",
+        "64 attributes",
+    ),
+    "a million elements": ("<robot name='r'>" + "<a/>" * 300_000 + "</robot>", "200000 elements"),
     "too many links": (
         robot(
             *(joint(f"j{i}", f"l{i}", f"l{i + 1}", kind="fixed") for i in range(30000)),

@@ -12,7 +12,8 @@ inline constexpr int max_chain_joints = 32;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_chain_joints, 1>;
 using ChainJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_chain_joints>;
 
-/// Position [rad or m] and speed [rad/s or m/s]; a continuous joint's position bounds are -inf and inf.
+/// Position [rad or m] and speed [rad/s or m/s]; a continuous joint's position bounds are -inf and inf, and so is the
+/// speed of one whose description says none.
 struct JointLimits {
   double lower = 0;
   double upper = 0;

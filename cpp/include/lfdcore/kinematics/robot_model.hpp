@@ -15,7 +15,7 @@ struct Capsule {
 };
 
 /// Immutable; copies share what was read. Joints and links come depth first from the root, siblings by the names of
-/// their joints. A mimic joint is a joint of its own.
+/// their joints. A mimic joint is a joint of its own here, and refused in a chain.
 class RobotModel {
  public:
   /// From a URDF's text. Throws DataError for what is no URDF of a tree of fixed, revolute, continuous and prismatic
@@ -32,7 +32,8 @@ class RobotModel {
   const std::vector<JointLimits>& limits() const;       ///< N
 
   /// The chain from `base` to the tool that T_tip_tool places in the frame of `tip` (both names of links, `base` need
-  /// not be above `tip`). Throws std::invalid_argument for unknown links or a chain without movable joints.
+  /// not be above `tip`). Throws std::invalid_argument for unknown links, a chain without movable joints, and one with a
+  /// joint that mimics another: solved as free, it would not be what the robot does.
   KinematicChain chain(const std::string& base, const std::string& tip,
                        const Eigen::Isometry3d& T_tip_tool = Eigen::Isometry3d::Identity()) const;
 
