@@ -1,7 +1,7 @@
 """Arrays and a JSON header in one file: safetensors whose only metadata entry is JSON with sorted keys.
 
-No pickle; the same model gives the same bytes. Reading refuses what it cannot use with ModelError. The header's
-`digest` is the SHA-256 of the arrays: safetensors itself does not notice a flipped bit. Files from before it have none.
+No pickle; the same model gives the same bytes. Reading refuses what it cannot use with ModelError. The header ends with
+its `digest`, the SHA-256 of all before it and of the arrays: safetensors itself does not notice a flipped bit.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from lfdcore.datasets.whole_file import whole_file
 from lfdcore.errors import ModelError
 
 _KEY = "lfdcore"  # one entry only: safetensors does not keep the order of several
-_DIGEST = "digest"
+_DIGEST = ', "digest": "'
+"""between the rest of the header and its digest"""
 _BROKEN = (SafetensorError, ValueError, OSError, TypeError, AttributeError, RecursionError)
 """What safetensors, its dtypes that NumPy lacks, and JSON raise for files that nobody meant."""
 Tensors = dict[str, NDArray[Any]]
@@ -35,8 +36,8 @@ def write_tensor_file(
     ValueError where `path` is a folder, a pipe or a device.
     """
     arrays = {name: np.ascontiguousarray(array) for name, array in tensors.items()}
-    said = {**header, "format": kind, "version": version, _DIGEST: _digest(arrays)}
-    data = save(arrays, metadata={_KEY: json.dumps(said, sort_keys=True, allow_nan=False)})
+    said = json.dumps({**header, "format": kind, "version": version}, sort_keys=True, allow_nan=False)[:-1]
+    data = save(arrays, metadata={_KEY: f'{said}{_DIGEST}{_digest(said, arrays)}"}}'})
     with whole_file(path, "model") as part:
         part.write_bytes(data)
 
@@ -70,7 +71,8 @@ def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> t
     _require_regular(path)
     try:
         with safe_open(str(path), framework="numpy") as file:
-            header = json.loads((file.metadata() or {}).get(_KEY, "null"))
+            text = (file.metadata() or {}).get(_KEY, "null")
+            header = json.loads(text)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except _BROKEN as broken:
         raise ModelError(f"{path} is not a model file or is damaged: {broken}") from broken
@@ -78,13 +80,15 @@ def read_tensor_file(path: str | os.PathLike[str], kind: str, version: int) -> t
         raise ModelError(f"{path} does not hold a {kind} model")
     if header.get("version") != version:
         raise ModelError(f"{path} has format version {header.get('version')}, this lfdcore reads version {version}")
-    if header.pop(_DIGEST, None) not in (None, _digest(tensors)):
-        raise ModelError(f"{path} is damaged: its arrays are not those that were written")
+    said, _, digest = text.rpartition(_DIGEST)
+    if digest != _digest(said, tensors) + '"}':
+        raise ModelError(f"{path} is damaged: it is not what was written")
+    del header["digest"]
     return header, tensors
 
 
-def _digest(tensors: Tensors) -> str:
-    digest = hashlib.sha256()
+def _digest(said: str, tensors: Tensors) -> str:
+    digest = hashlib.sha256(said.encode())
     for name in sorted(tensors):
         array = tensors[name]
         digest.update(f"{name} {array.dtype.str} {array.shape};".encode())

@@ -49,15 +49,14 @@ def with_header(path: Path, change) -> Path:
     return path
 
 
-def test_every_flipped_bit_in_the_arrays_is_noticed(file: Path) -> None:
+def test_every_flipped_bit_of_the_file_is_noticed(file: Path) -> None:
     data = file.read_bytes()
-    first = 8 + struct.unpack("<Q", data[:8])[0]
-    for place in range(first, len(data)):
-        for bit in (0, 7):
+    for place in range(len(data)):
+        for bit in range(8):
             broken = bytearray(data)
             broken[place] ^= 1 << bit
             file.write_bytes(broken)
-            with pytest.raises(ModelError, match="is damaged: its arrays are not those that were written"):
+            with pytest.raises(ModelError):
                 read_tensor_file(file, "any", 1)
 
 
@@ -66,13 +65,18 @@ def test_arrays_taken_for_others_are_noticed(file: Path) -> None:
         read_tensor_file(with_header(file, lambda h: h["two"].update(shape=[3, 2])), "any", 1)
 
 
-def test_a_file_from_before_there_were_digests_is_read(file: Path) -> None:
+def test_a_file_without_a_digest_is_refused(file: Path) -> None:
     def forget(header: dict) -> None:
         said = json.loads(header["__metadata__"]["lfdcore"])
         del said["digest"]
         header["__metadata__"]["lfdcore"] = json.dumps(said)
 
-    header, arrays = read_tensor_file(with_header(file, forget), "any", 1)
+    with pytest.raises(ModelError, match="is damaged: it is not what was written"):
+        read_tensor_file(with_header(file, forget), "any", 1)
+
+
+def test_what_was_written_is_read(file: Path) -> None:
+    header, arrays = read_tensor_file(file, "any", 1)
     assert header == {"a": 1, "format": "any", "version": 1}
     np.testing.assert_array_equal(arrays["two"], ARRAYS["two"])
 

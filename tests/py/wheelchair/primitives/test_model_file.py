@@ -1,6 +1,5 @@
 import json
 import os
-import struct
 import subprocess
 import sys
 from dataclasses import asdict
@@ -8,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from safetensors import safe_open
 from safetensors.numpy import save
 
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
@@ -25,15 +25,13 @@ def saved(corner_model, tmp_path):
 
 
 def rewritten(path, change):
-    """The file with its header changed by `change` (a function of the parsed JSON)."""
-    data = path.read_bytes()
-    (size,) = struct.unpack("<Q", data[:8])
-    outer = json.loads(data[8 : 8 + size])
-    inner = json.loads(outer["__metadata__"]["lfdcore"])
+    """The file with its header changed by `change` (a function of the parsed JSON), and a digest that fits."""
+    with safe_open(path, framework="numpy") as file:
+        inner = json.loads(file.metadata()["lfdcore"])
+        arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    del inner["digest"]
     change(inner)
-    outer["__metadata__"]["lfdcore"] = json.dumps(inner)
-    text = json.dumps(outer).encode()
-    path.write_bytes(struct.pack("<Q", len(text)) + text + data[8 + size :])
+    write_tensor_file(path, inner.pop("format"), inner.pop("version"), inner, arrays)
     return path
 
 
