@@ -24,7 +24,7 @@ second = float(sys.argv[3]) if len(sys.argv) > 3 else 5.0
 now = next(dropwhile(lambda o: o.stamp < second or not any(o.joystick), observations(log)), None)
 if now is None:
     sys.exit(f"{log.name}: the stick is never held from {second} s on")
-chair = ChairGeometry.thesis(log.T_base_laser)
+chair = ChairGeometry.thesis(log.mounting)
 
 free = local_grid(now.scan, now.scan_mounting(chair.T_base_laser)).data == 0  # what the scan sees free
 sensor = model.sensor.predict(free)  # where drivers go in such a place (Sec. 4.3)

@@ -9,7 +9,7 @@ from lfdcore.wheelchair.observation import ChairGeometry, observations
 from lfdcore.wheelchair.watch import WatchConfig
 
 log = joystick_from_motion(open_log(sys.argv[1]))  # a recorded joystick is left alone
-chair = ChairGeometry.thesis(log.T_base_laser).replayed(log)  # or your own: ChairGeometry(...)
+chair = ChairGeometry.thesis(log.mounting).replayed(log)  # or your own: ChairGeometry(...)
 assistant = DriveAssistant(learn_drive([log.share(0, 0.7)]).planner(chair), watch=WatchConfig.of(log))
 for observation in observations(log.share(0.7, 1)):
     answer = assistant.update(observation)  # command, path, goal (the intention), mode (who decided), ...
