@@ -30,7 +30,7 @@ def convert(
     mounting: MountingOption = None,
     force: Annotated[bool, typer.Option("--force", help="Replace OUT.mcap where it exists.")] = False,
 ) -> None:
-    """Read a log of another robot, and write it as a drive log: what it is told here, every command then knows."""
+    """Read a log of another robot, and write it as a drive log: what the options say, every command then knows."""
     from lfdcore.datasets.log_health import log_troubles
 
     if output.suffix != ".mcap":

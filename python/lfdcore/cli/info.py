@@ -35,8 +35,8 @@ def info(
     if as_json or "wrong" not in facts:
         show_facts(facts, as_json)
         return
-    print_facts({name: _known(value) for name, value in facts.items() if name not in ("wrong", "told")})
-    print_facts({name + " (told)" * (name in facts): note for name, note in facts["told"].items()})
+    print_facts({name: _known(value) for name, value in facts.items() if name not in ("wrong", "noted")})
+    print_facts({name + " (noted)" * (name in facts): note for name, note in facts["noted"].items()})
     for trouble in facts["wrong"]:
         typer.echo(f"- {trouble}")
 
@@ -110,4 +110,4 @@ def _log_facts(file: Path, options: LogOptions) -> dict[str, Any]:
     from lfdcore.datasets.log_health import log_facts
 
     log = options.open(file)
-    return {"kind": "drive log", "name": log.name, **log_facts(log), "told": log.metadata}
+    return {"kind": "drive log", "name": log.name, **log_facts(log), "noted": log.metadata}

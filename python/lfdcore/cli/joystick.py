@@ -152,17 +152,17 @@ def _axis(name: str, rest: Seen, again: Seen, minus: Seen, plus: Seen) -> tuple[
     least, centre, most = rest
     back, ahead = minus[1], plus[1]
     dead = max(LEAST_DEAD_ZONE, TREMBLES * (most - least))
-    told = f"the {name} axis was at {centre} let go, {again[1]} let go again, {back} and {ahead} at its ends"
+    noted = f"the {name} axis was at {centre} let go, {again[1]} let go again, {back} and {ahead} at its ends"
     if abs(again[1] - centre) > dead:
-        raise ValueError(f"{told}: was it let go? Try again")
+        raise ValueError(f"{noted}: was it let go? Try again")
     if min(abs(back - centre), abs(ahead - centre)) < LEAST_SPAN:
-        raise ValueError(f"{told}: it hardly moved; are the wires of both axes swapped, or is one broken?")
+        raise ValueError(f"{noted}: it hardly moved; are the wires of both axes swapped, or is one broken?")
     if (back < centre) == (ahead < centre):
-        raise ValueError(f"{told}: both on one side; was it held to each side? Try again")
+        raise ValueError(f"{noted}: both on one side; was it held to each side? Try again")
     if not all(LOWEST <= end <= HIGHEST for end in (back, ahead)):
         raise ValueError(
-            f"{told}: its ends must lie within {LOWEST} to {HIGHEST} of 1023, or a broken wire looks like a stick: put "
-            "a resistor at each end of it (docs/joystick-link.md)"
+            f"{noted}: its ends must lie within {LOWEST} to {HIGHEST} of 1023, or a broken wire looks like a stick: "
+            "put a resistor at each end of it (docs/joystick-link.md)"
         )
     return back, centre, ahead, min(dead, min(abs(back - centre), abs(ahead - centre)) // 2)
 

@@ -40,7 +40,7 @@ class Timed:
     """(K,) indices into the stream"""
     stamps: Nanoseconds
     """(K,) [ns]"""
-    told: str = ""
+    noted: str = ""
     """how they came about, if not by their headers"""
 
 
@@ -88,8 +88,8 @@ def _timed(times: Times, reference: Times, clock: _Offset | None) -> Timed:
         apart = (own.median - (0 if clock is None else clock.median)) / 1e9
         return _by_receipt(times, reference, received, clock, f"its own clock is {apart:+.6g} s off")
     kept = np.flatnonzero(headers)
-    told = f"{len(headers) - len(kept)} without a time left out" if len(kept) < len(headers) else ""
-    return Timed(kept, headers[kept], told)
+    noted = f"{len(headers) - len(kept)} without a time left out" if len(kept) < len(headers) else ""
+    return Timed(kept, headers[kept], noted)
 
 
 def _by_receipt(times: Times, reference: Times, received: Nanoseconds, clock: _Offset | None, why: str) -> Timed:

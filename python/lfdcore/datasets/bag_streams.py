@@ -40,7 +40,7 @@ class Odd:
         self.kinds[kind] += 1
         self.first = self.first or what
 
-    def told(self) -> str:
+    def noted(self) -> str:
         """For people; empty without any."""
         return ", ".join(f"{count} {kind} left out" for kind, count in sorted(self.kinds.items()))
 

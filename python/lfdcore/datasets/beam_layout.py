@@ -30,11 +30,11 @@ class BeamLayout:
 
     def put(self, ranges: Ranges, angle_min: float, angle_increment: float) -> Ranges:
         """(B,) on the first scan's angles. ValueError where the angles cannot be the same scanner's."""
-        told = (len(ranges), angle_min, angle_increment)
-        if told == (self.beams, self.angle_min, self.angle_increment):
+        noted = (len(ranges), angle_min, angle_increment)
+        if noted == (self.beams, self.angle_min, self.angle_increment):
             return ranges
-        if told != self._last or self._place is None:
-            self._place, self._last = self._places(*told), told
+        if noted != self._last or self._place is None:
+            self._place, self._last = self._places(*noted), noted
         placed = np.full(self.beams, np.nan, np.float32)
         inside = (self._place >= 0) & (self._place < self.beams)
         order = np.argsort(-np.where(np.isnan(ranges[inside]), np.inf, ranges[inside]), kind="stable")
@@ -56,17 +56,17 @@ class BeamLayout:
 
 def require_angles(beams: int, angle_min: float, angle_max: float, angle_increment: float) -> None:
     """ValueError, with the numbers, for angles that contradict one another or that no scanner has."""
-    told = f"angle_min {angle_min:.6g}, angle_max {angle_max:.6g}, angle_increment {angle_increment:.6g} rad"
-    told += f", {beams} ranges"
+    noted = f"angle_min {angle_min:.6g}, angle_max {angle_max:.6g}, angle_increment {angle_increment:.6g} rad"
+    noted += f", {beams} ranges"
     if not all(map(math.isfinite, (angle_min, angle_max, angle_increment))) or angle_increment == 0:
-        raise ValueError(f"{told}: must be finite, and the increment not 0")
+        raise ValueError(f"{noted}: must be finite, and the increment not 0")
     if not 0 < beams <= MOST_BEAMS:
-        raise ValueError(f"{told}: must be 1 to {MOST_BEAMS}")
+        raise ValueError(f"{noted}: must be 1 to {MOST_BEAMS}")
     if abs(angle_increment) * (beams - 1) > ALL_ROUND:
-        raise ValueError(f"{told}: sweeps more than a turn; are the angles in degrees?")
+        raise ValueError(f"{noted}: sweeps more than a turn; are the angles in degrees?")
     last = angle_min + (beams - 1) * angle_increment
     if abs(angle_max - last) > 1.5 * abs(angle_increment) + 1e-4 * beams * abs(angle_increment):
-        raise ValueError(f"{told}: the last beam is at {last:.6g} rad, so they contradict each other")
+        raise ValueError(f"{noted}: the last beam is at {last:.6g} rad, so they contradict each other")
 
 
 def as_rep_117(ranges: Ranges, range_min: float, range_max: float) -> Ranges:

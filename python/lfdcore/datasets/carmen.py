@@ -89,7 +89,7 @@ def _drive_log(lines: _Lines, T_base_laser: Pose2 | None, range_max: float | Non
             "odometry": "raw; twist over the last 0.5 s",
             "T_base_laser": origin,
         }
-        | ({"scan records": scans.told()} if scans.told() else {})
+        | ({"scan records": scans.noted()} if scans.noted() else {})
         | ({"dropped": f"lines: {dropped}"} if dropped else {}),
         name=lines.path.name.removesuffix(".gz").removesuffix(".log"),
     )

@@ -241,9 +241,9 @@ def _ordered(
     """A stream's stamps [s], sorted, and which of its records they are."""
     seconds = (timed.stamps - epoch) / 1e9
     order = in_order(stream.times.topic, seconds)
-    told = "; ".join(filter(None, (timed.told, order.told(), stream.odd.told())))
-    if told:
-        notes[f"{role} records"] = told
+    noted = "; ".join(filter(None, (timed.noted, order.noted(), stream.odd.noted())))
+    if noted:
+        notes[f"{role} records"] = noted
     return seconds[order.kept], timed.kept[order.kept]
 
 

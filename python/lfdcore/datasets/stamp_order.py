@@ -22,9 +22,9 @@ class Order:
     late: int
     """of them, how many came after one of a later stamp"""
     left_out: int
-    """were too late to be told from a clock that was set back"""
+    """too late to tell them from a clock that was set back"""
 
-    def told(self) -> str:
+    def noted(self) -> str:
         """For people; empty where there is nothing to tell."""
         parts = [f"{self.late} sorted"] * (self.late > 0) + [f"{self.left_out} left out"] * (self.left_out > 0)
         return ", ".join(parts)
