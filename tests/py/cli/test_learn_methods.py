@@ -17,6 +17,7 @@ from lfdcore.study.arms import models_by_method
 from lfdcore.study.demonstrations import drive_to_destinations
 from lfdcore.wheelchair.heatmaps.model import HeatmapModel, NaiveHeatmapModel
 from lfdcore.wheelchair.models import load_model
+from model_files import rewritten
 from synthetic_drive import corner_drive
 
 
@@ -153,14 +154,6 @@ def test_a_study_refuses_a_naive_model(learned) -> None:
         models_by_method([learned["naive"]])
 
 
-def rewritten(source: Path, target: Path, old: bytes, new: bytes) -> Path:
-    data = source.read_bytes()
-    assert data.count(old) >= 1
-    assert len(old) == len(new)
-    target.write_bytes(data.replace(old, new, 1))
-    return target
-
-
 @pytest.mark.parametrize("kind", ["heatmaps", "naive"])
 @pytest.mark.parametrize(
     ("change", "said"),
@@ -177,11 +170,8 @@ def test_a_model_cut_short_or_of_another_version_or_resolution_is_one_clear_line
     if change == "cut":
         target.write_bytes(source.read_bytes()[: source.stat().st_size // 2])
     else:
-        old, new = {
-            "version": (b'\\"version\\": 1', b'\\"version\\": 9'),
-            "resolution": (b'resolution\\": 0.05', b'resolution\\": 0.06'),
-        }[change]
-        rewritten(source, target, old, new)
+        value = {"version": 9, "resolution": 0.06}[change]
+        rewritten(source, target, lambda header: header.update({change: value}))
     for words in (("info", target), ("predict", target, folder / "corner.mcap")):
         code, _, err = run(monkeypatch, capsys, *words)
         assert code == 1

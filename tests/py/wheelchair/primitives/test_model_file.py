@@ -1,4 +1,3 @@
-import json
 import os
 import subprocess
 import sys
@@ -7,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from safetensors import safe_open
 from safetensors.numpy import save
 
 from lfdcore.datasets.tensor_file import read_tensor_file, write_tensor_file
 from lfdcore.errors import ModelError
 from lfdcore.training.drive_primitives import LearningConfig, learn_drive
 from lfdcore.wheelchair.primitives.model import VERSION, DriveAssistantModel
+from model_files import rewritten
 from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, corner_drive, drive, log_of, scan_at
 
 
@@ -21,17 +20,6 @@ from synthetic_drive import AHEAD, LEFT, T_BASE_LASER, corner_drive, drive, log_
 def saved(corner_model, tmp_path):
     path = tmp_path / "model.safetensors"
     corner_model.save(path)
-    return path
-
-
-def rewritten(path, change):
-    """The file with its header changed by `change` (a function of the parsed JSON), and a digest that fits."""
-    with safe_open(path, framework="numpy") as file:
-        inner = json.loads(file.metadata()["lfdcore"])
-        arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    del inner["digest"]
-    change(inner)
-    write_tensor_file(path, inner.pop("format"), inner.pop("version"), inner, arrays)
     return path
 
 
@@ -112,7 +100,7 @@ def test_garbled_bytes_are_refused_or_read_but_never_crash(saved, tmp_path):
 )
 def test_a_file_that_does_not_fit_is_refused_by_name(saved, change, message):
     with pytest.raises(ModelError, match=message):
-        DriveAssistantModel.load(rewritten(saved, change))
+        DriveAssistantModel.load(rewritten(saved, saved, change))
 
 
 def test_other_safetensors_and_missing_files_are_distinguished(tmp_path):
@@ -163,20 +151,20 @@ def test_every_setting_of_a_tampered_model_is_refused_by_name(saved, part, value
         if (name, value) in (("mirror", True), ("shares", [1])):
             continue
         with pytest.raises(ModelError, match=name):
-            DriveAssistantModel.load(rewritten(saved, lambda h, name=name: h[part].update({name: value})))
+            DriveAssistantModel.load(rewritten(saved, saved, lambda h, name=name: h[part].update({name: value})))
         saved.write_bytes(whole)
 
 
 @pytest.mark.parametrize("value", [None, "x", [], {}, True, -1, 1e300])
 def test_a_tampered_clearance_is_refused_by_name(saved, value):
     with pytest.raises(ModelError, match="clearance is"):
-        DriveAssistantModel.load(rewritten(saved, lambda h: h.update(clearance=value)))
+        DriveAssistantModel.load(rewritten(saved, saved, lambda h: h.update(clearance=value)))
 
 
 @pytest.mark.parametrize("value", [None, "x", [], 3])
 def test_tampered_metadata_are_refused_by_name(saved, value):
     with pytest.raises(ModelError, match="metadata is"):
-        DriveAssistantModel.load(rewritten(saved, lambda h: h.update(metadata=value)))
+        DriveAssistantModel.load(rewritten(saved, saved, lambda h: h.update(metadata=value)))
 
 
 ARRAYS = [
