@@ -32,8 +32,8 @@ class RobotModel {
   const std::vector<JointLimits>& limits() const;       ///< N
 
   /// The chain from `base` to the tool that T_tip_tool places in the frame of `tip` (both names of links, `base` need
-  /// not be above `tip`). Throws std::invalid_argument for unknown links, a chain without movable joints, and one with a
-  /// joint that mimics another: solved as free, it would not be what the robot does.
+  /// not be above `tip`). Throws std::invalid_argument for unknown links, a chain without movable joints, and one with
+  /// a joint that mimics another: solved as free, it would not be what the robot does.
   KinematicChain chain(const std::string& base, const std::string& tip,
                        const Eigen::Isometry3d& T_tip_tool = Eigen::Isometry3d::Identity()) const;
 
